@@ -1,0 +1,265 @@
+//! What a building map holds and how its cell words are read.
+//!
+//! One `u32` word per texel:
+//!
+//! | bits 31-30 | meaning | the rest |
+//! |---|---|---|
+//! | 0 | no building | 0 |
+//! | 1 FULL | one roof covers the texel | bits 23-0: building |
+//! | 2 RUN | outline vertices first..first+edges are edges that touch the texel | see [`Run`] |
+//! | 3 LIST | several of the above | bits 23-0: offset into `pieces`: a count, then that many words |
+//!
+//! A texel's reference point ([`BuildingMap::REFERENCE`]) lies inside the run's building when its INSIDE bit is
+//! set; any other point of the texel is inside when the segment to the reference crosses the run's edges an
+//! even (inside) or odd (outside) number of times. That makes the test exact at any texel size.
+
+/// A tile's building map. Local coordinates: metres from the tile's south-west corner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildingMap {
+    /// Texels along a side, a power of two.
+    pub side: usize,
+    /// Side of a texel, metres.
+    pub texel_m: f32,
+    /// `side * side` words, row by row from the south.
+    pub cells: Vec<u32>,
+    /// Outline vertices; edge e runs from vertex e to e+1.
+    pub vertices: Vec<OutlineVertex>,
+    /// Lists of words for texels that need more than one.
+    pub pieces: Vec<u32>,
+    /// Buildings that touch the tile, by ascending id.
+    pub roofs: Vec<RoofRecord>,
+}
+
+/// A vertex of an outline, 16 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct OutlineVertex {
+    /// Metres east of the tile's corner.
+    pub x_m: f32,
+    /// Metres north of the tile's corner.
+    pub y_m: f32,
+    /// Length along the outline from the ring's first vertex, metres (the facade coordinate).
+    pub along_m: f32,
+    /// Index of the building in `roofs`.
+    pub building: u32,
+}
+
+/// A building's roof, 16 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct RoofRecord {
+    /// Elevation of the flat roof, metres.
+    pub roof_m: f32,
+    /// Lowest ground at the outline, metres.
+    pub base_m: f32,
+    /// Id in the digital map of record.
+    pub fid: u32,
+    /// Keeps the record at 16 bytes for the shader.
+    pub padding: u32,
+}
+
+/// A contiguous run of outline edges of one building.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// The texel's reference point is inside the building.
+    pub inside: bool,
+    /// The next word of the list belongs to the same building.
+    pub more: bool,
+    /// Number of edges, 1 to 16.
+    pub edges: u32,
+    /// First vertex.
+    pub first: u32,
+}
+
+/// A decoded cell word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellKind {
+    /// No building.
+    Empty,
+    /// One roof covers the texel.
+    Full(u32),
+    /// Outline edges of one building.
+    Run(Run),
+    /// Offset into `pieces`.
+    List(u32),
+}
+
+const KIND_SHIFT: u32 = 30;
+const INSIDE_BIT: u32 = 1 << 29;
+const MORE_BIT: u32 = 1 << 28;
+const EDGES_SHIFT: u32 = 24;
+/// Indices in a word have 24 bits.
+pub const INDEX_LIMIT: usize = 1 << 24;
+
+impl CellKind {
+    /// Reads a word.
+    pub fn of(word: u32) -> Self {
+        let index = word & (INDEX_LIMIT as u32 - 1);
+        match word >> KIND_SHIFT {
+            0 => Self::Empty,
+            1 => Self::Full(index),
+            2 => Self::Run(Run {
+                inside: word & INSIDE_BIT != 0,
+                more: word & MORE_BIT != 0,
+                edges: ((word >> EDGES_SHIFT) & 15) + 1,
+                first: index,
+            }),
+            _ => Self::List(index),
+        }
+    }
+
+    /// Writes a word.
+    pub fn word(self) -> u32 {
+        match self {
+            Self::Empty => 0,
+            Self::Full(building) => (1 << KIND_SHIFT) | building,
+            Self::Run(run) => {
+                (2 << KIND_SHIFT)
+                    | if run.inside { INSIDE_BIT } else { 0 }
+                    | if run.more { MORE_BIT } else { 0 }
+                    | ((run.edges - 1) << EDGES_SHIFT)
+                    | run.first
+            }
+            Self::List(offset) => (3 << KIND_SHIFT) | offset,
+        }
+    }
+}
+
+impl BuildingMap {
+    /// Where in a texel the parity of its outline is known, in texels from its south-west corner. Off the middle
+    /// and off the diagonals, because real outlines like to run through those.
+    pub const REFERENCE: [f32; 2] = [0.4387, 0.5719];
+
+    /// Bytes that the map takes on the GPU without its pyramid.
+    pub fn bytes(&self) -> usize {
+        4 * (self.cells.len() + self.pieces.len())
+            + size_of::<OutlineVertex>() * self.vertices.len()
+            + size_of::<RoofRecord>() * self.roofs.len()
+    }
+
+    /// The words of a cell: itself, or its list.
+    pub fn words(&self, word: u32) -> &[u32] {
+        match CellKind::of(word) {
+            CellKind::List(offset) => {
+                let offset = offset as usize;
+                let count = self.pieces.get(offset).map_or(0, |&count| count as usize);
+                self.pieces
+                    .get(offset + 1..offset + 1 + count)
+                    .unwrap_or(&[])
+            }
+            _ => &[],
+        }
+    }
+
+    /// Building of a word that is a run or full.
+    pub fn building_of(&self, word: u32) -> Option<u32> {
+        match CellKind::of(word) {
+            CellKind::Full(building) => Some(building),
+            CellKind::Run(run) => Some(self.vertices.get(run.first as usize)?.building),
+            _ => None,
+        }
+    }
+
+    /// The building whose roof shows at a texel's reference point, the highest first; none on open ground.
+    pub fn roof_at_reference(&self, cell: usize) -> Option<u32> {
+        let word = self.cells[cell];
+        let single = [word];
+        let words = match CellKind::of(word) {
+            CellKind::List(_) => self.words(word),
+            _ => &single[..],
+        };
+        let mut best: Option<u32> = None;
+        let mut continued = false;
+        for &word in words {
+            let covers = match CellKind::of(word) {
+                CellKind::Full(_) => true,
+                CellKind::Run(run) => run.inside && !continued,
+                _ => false,
+            };
+            continued = matches!(CellKind::of(word), CellKind::Run(run) if run.more);
+            let Some(building) = self.building_of(word).filter(|_| covers) else {
+                continue;
+            };
+            let roof = |index: u32| self.roofs[index as usize].roof_m;
+            if best.is_none_or(|best| roof(building) > roof(best)) {
+                best = Some(building);
+            }
+        }
+        best
+    }
+
+    /// Highest roof that touches a texel, metres; negative infinity on open ground.
+    pub fn highest_roof(&self, cell: usize) -> f32 {
+        let word = self.cells[cell];
+        let roof = |word: u32| {
+            self.building_of(word)
+                .and_then(|building| self.roofs.get(building as usize))
+                .map_or(f32::NEG_INFINITY, |record| record.roof_m)
+        };
+        match CellKind::of(word) {
+            CellKind::List(_) => self
+                .words(word)
+                .iter()
+                .map(|&word| roof(word))
+                .fold(f32::NEG_INFINITY, f32::max),
+            _ => roof(word),
+        }
+    }
+
+    /// True when every index in the map points inside it: a damaged tile must not reach the shader.
+    pub fn is_sound(&self) -> bool {
+        let sound_word = |word: u32| match CellKind::of(word) {
+            CellKind::Empty => true,
+            CellKind::Full(building) => (building as usize) < self.roofs.len(),
+            CellKind::Run(run) => ((run.first + run.edges) as usize) < self.vertices.len(),
+            CellKind::List(_) => false,
+        };
+        let sound_cell = |word: u32| match CellKind::of(word) {
+            CellKind::List(offset) => {
+                let count = self
+                    .pieces
+                    .get(offset as usize)
+                    .copied()
+                    .unwrap_or(u32::MAX);
+                let words = self.words(word);
+                words.len() == count as usize && words.iter().all(|&word| sound_word(word))
+            }
+            _ => sound_word(word),
+        };
+        self.side.is_power_of_two()
+            && self.cells.len() == self.side * self.side
+            && self.cells.iter().all(|&word| sound_cell(word))
+            && self
+                .vertices
+                .iter()
+                .all(|vertex| (vertex.building as usize) < self.roofs.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_read_back_as_written() {
+        for kind in [
+            CellKind::Empty,
+            CellKind::Full(77),
+            CellKind::Run(Run {
+                inside: true,
+                more: false,
+                edges: 16,
+                first: 123_456,
+            }),
+            CellKind::Run(Run {
+                inside: false,
+                more: true,
+                edges: 1,
+                first: 0,
+            }),
+            CellKind::List(9_999_999),
+        ] {
+            assert_eq!(CellKind::of(kind.word()), kind);
+        }
+    }
+}

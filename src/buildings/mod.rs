@@ -1,0 +1,12 @@
+//! The building map: footprints rasterised per tile, with the exact outline piece in every texel an outline
+//! crosses (DESIGN: the building map). Change a footprint and only its texels change.
+
+mod base;
+mod map;
+mod pyramid;
+mod rasterise;
+
+pub use base::{Building, NoGround, base_of, triangle_bytes};
+pub use map::{BuildingMap, CellKind, OutlineVertex, RoofRecord, Run};
+pub use pyramid::Pyramid;
+pub use rasterise::{MapTooLarge, rasterise};

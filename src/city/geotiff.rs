@@ -1,0 +1,216 @@
+//! GeoTIFF pages in pure Rust (`tiff`): OGC 19-008r4, keys and tags by their names there.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::Path;
+
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::encoder::colortype::{ColorType, Gray32, Gray32Float, RGBA8};
+use tiff::encoder::compression::DeflateLevel;
+use tiff::encoder::{Compression, TiffEncoder, TiffValue};
+use tiff::tags::Tag;
+
+use super::CityError;
+use crate::space::Crs;
+
+/// Pixel values of one page, row by row from the north.
+pub enum Pixels {
+    /// One f32 band.
+    Float(Vec<f32>),
+    /// One u32 band.
+    Word(Vec<u32>),
+    /// Four u8 bands.
+    Rgba(Vec<u8>),
+}
+
+/// One image of a TIFF file.
+pub struct Page {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// The values.
+    pub pixels: Pixels,
+    /// Easting of the west edge, northing of the north edge, side of a pixel; none for tables.
+    pub georeference: Option<[f64; 3]>,
+}
+
+/// How a CRS is written into GeoTIFF keys.
+#[derive(Clone, Debug)]
+pub struct GeoKeys {
+    directory: Vec<u16>,
+    ascii: String,
+}
+
+impl GeoKeys {
+    /// Keys of a projected CRS: its EPSG code, or its ESRI WKT as GDAL reads it back.
+    pub fn of(crs: &Crs) -> Result<Self, CityError> {
+        const MODEL_PROJECTED: u16 = 1;
+        const RASTER_PIXEL_IS_AREA: u16 = 1;
+        const USER_DEFINED: u16 = 32767;
+        let code = crs
+            .label()
+            .strip_prefix("EPSG:")
+            .and_then(|code| code.parse::<u16>().ok());
+        let ascii = match code {
+            Some(_) => String::new(),
+            None => format!("ESRI PE String = {}|", crs.esri_wkt()?),
+        };
+        let mut keys: Vec<[u16; 4]> = vec![
+            [1024, 0, 1, MODEL_PROJECTED],
+            [1025, 0, 1, RASTER_PIXEL_IS_AREA],
+            [3072, 0, 1, code.unwrap_or(USER_DEFINED)],
+        ];
+        if !ascii.is_empty() {
+            keys.push([3073, 34737, ascii.len() as u16, 0]);
+        }
+        let mut directory = vec![1, 1, 0, keys.len() as u16];
+        directory.extend(keys.into_iter().flatten());
+        Ok(Self { directory, ascii })
+    }
+}
+
+/// Writes pages to a file beside the target and renames it into place.
+pub fn write(path: &Path, pages: &[Page], keys: &GeoKeys) -> Result<(), CityError> {
+    let partial = path.with_extension("partial");
+    let tile_error = |error: tiff::TiffError| CityError::File {
+        path: path.to_owned(),
+        why: error.to_string(),
+    };
+    let file = File::create(&partial).map_err(CityError::file(&partial))?;
+    let mut writer = BufWriter::with_capacity(1 << 20, file);
+    {
+        let mut encoder = TiffEncoder::new(&mut writer)
+            .map_err(tile_error)?
+            .with_compression(Compression::Deflate(DeflateLevel::Fast));
+        for page in pages {
+            match &page.pixels {
+                Pixels::Float(values) => {
+                    write_page::<Gray32Float, _>(&mut encoder, page, values, keys)
+                }
+                Pixels::Word(values) => write_page::<Gray32, _>(&mut encoder, page, values, keys),
+                Pixels::Rgba(values) => write_page::<RGBA8, _>(&mut encoder, page, values, keys),
+            }
+            .map_err(tile_error)?;
+        }
+    }
+    writer.flush().map_err(CityError::file(&partial))?;
+    drop(writer);
+    std::fs::rename(&partial, path).map_err(CityError::file(path))
+}
+
+fn write_page<C: ColorType, W: Write + std::io::Seek>(
+    encoder: &mut TiffEncoder<W>,
+    page: &Page,
+    values: &[C::Inner],
+    keys: &GeoKeys,
+) -> tiff::TiffResult<()>
+where
+    [C::Inner]: TiffValue,
+{
+    let [width, height] = page.size.map(|count| count as u32);
+    let mut image = encoder.new_image::<C>(width, height)?;
+    if let Some([west, north, pixel_m]) = page.georeference {
+        let directory = image.encoder();
+        directory.write_tag(Tag::ModelPixelScaleTag, &[pixel_m, pixel_m, 0.0][..])?;
+        directory.write_tag(
+            Tag::ModelTiepointTag,
+            &[0.0, 0.0, 0.0, west, north, 0.0][..],
+        )?;
+        directory.write_tag(Tag::GeoKeyDirectoryTag, &keys.directory[..])?;
+        if !keys.ascii.is_empty() {
+            directory.write_tag(Tag::GeoAsciiParamsTag, keys.ascii.as_str())?;
+        }
+        if matches!(page.pixels, Pixels::Float(_)) {
+            directory.write_tag(Tag::GdalNodata, "nan")?;
+        }
+    }
+    image.write_data(values)
+}
+
+/// Reads pages, one after the other, checking each against what the city expects.
+pub struct PageReader<'a> {
+    path: &'a Path,
+    decoder: Decoder<BufReader<File>>,
+    first: bool,
+}
+
+impl<'a> PageReader<'a> {
+    /// Opens a file.
+    pub fn open(path: &'a Path) -> Result<Self, CityError> {
+        let file = File::open(path).map_err(CityError::file(path))?;
+        let mut limits = Limits::default();
+        limits.decoding_buffer_size = 1 << 28;
+        let decoder = Decoder::new(BufReader::with_capacity(1 << 18, file))
+            .map_err(|error| damaged(path, error.to_string()))?
+            .with_limits(limits);
+        Ok(Self {
+            path,
+            decoder,
+            first: true,
+        })
+    }
+
+    /// The next page as f32.
+    pub fn floats(
+        &mut self,
+        size: [Option<usize>; 2],
+    ) -> Result<(Vec<f32>, [usize; 2]), CityError> {
+        match self.next(size)? {
+            (DecodingResult::F32(values), size) => Ok((values, size)),
+            _ => Err(damaged(
+                self.path,
+                "a page is not of 32-bit floats".to_owned(),
+            )),
+        }
+    }
+
+    /// The next page as u32.
+    pub fn words(&mut self, size: [Option<usize>; 2]) -> Result<(Vec<u32>, [usize; 2]), CityError> {
+        match self.next(size)? {
+            (DecodingResult::U32(values), size) => Ok((values, size)),
+            _ => Err(damaged(
+                self.path,
+                "a page is not of 32-bit numbers".to_owned(),
+            )),
+        }
+    }
+
+    /// The next page as RGBA bytes.
+    pub fn rgba(&mut self, size: [Option<usize>; 2]) -> Result<Vec<u8>, CityError> {
+        match self.next(size)? {
+            (DecodingResult::U8(values), [width, height]) if values.len() == 4 * width * height => {
+                Ok(values)
+            }
+            _ => Err(damaged(self.path, "a page is not of RGBA bytes".to_owned())),
+        }
+    }
+
+    fn next(
+        &mut self,
+        size: [Option<usize>; 2],
+    ) -> Result<(DecodingResult, [usize; 2]), CityError> {
+        let path = self.path;
+        let bad = |error: tiff::TiffError| damaged(path, error.to_string());
+        if !self.first {
+            self.decoder.next_image().map_err(bad)?;
+        }
+        self.first = false;
+        let (width, height) = self.decoder.dimensions().map_err(bad)?;
+        let found = [width as usize, height as usize];
+        if (0..2).any(|axis| size[axis].is_some_and(|expected| expected != found[axis])) {
+            return Err(damaged(
+                path,
+                format!("a page is {width} x {height}, expected {size:?}"),
+            ));
+        }
+        let values = self.decoder.read_image().map_err(bad)?;
+        Ok((values, found))
+    }
+}
+
+/// An error that names the tile.
+pub fn damaged(path: &Path, why: String) -> CityError {
+    CityError::Tile {
+        path: path.to_owned(),
+        why,
+    }
+}

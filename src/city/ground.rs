@@ -1,0 +1,95 @@
+//! Ground heights of a city being made, by point, from its own terrain tiles: what the map says of the ground
+//! must follow from the city folder alone.
+
+use std::collections::{HashMap, VecDeque};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+
+use glam::DVec2;
+
+use super::CityError;
+use super::codec::read_terrain;
+use super::store::{Layer, tile_path};
+use crate::space::{TileGrid, TileId};
+use crate::terrain::HeightTile;
+
+/// Bytes of heights kept in memory.
+const BUDGET_BYTES: usize = 192 << 20;
+
+/// A cache of terrain tiles, shared by the threads of an import.
+pub struct Ground {
+    folder: PathBuf,
+    grid: TileGrid,
+    side: usize,
+    step_m: f64,
+    cache: Mutex<Cache>,
+}
+
+#[derive(Default)]
+struct Cache {
+    tiles: HashMap<TileId, Option<Arc<HeightTile>>>,
+    order: VecDeque<TileId>,
+}
+
+impl Ground {
+    /// Over the terrain tiles of a city folder.
+    pub fn new(folder: PathBuf, grid: TileGrid, side: usize, step_m: f64) -> Self {
+        Self {
+            folder,
+            grid,
+            side,
+            step_m,
+            cache: Mutex::default(),
+        }
+    }
+
+    /// Keeps a tile that was just made, `None` where there is no ground.
+    pub fn keep(&self, tile: TileId, ground: Option<Arc<HeightTile>>) {
+        let most = (BUDGET_BYTES / (4 * self.side * self.side)).max(4);
+        let mut cache = self
+            .cache
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        if cache.tiles.insert(tile, ground).is_none() {
+            cache.order.push_back(tile);
+        }
+        while cache.order.len() > most {
+            if let Some(oldest) = cache.order.pop_front() {
+                cache.tiles.remove(&oldest);
+            }
+        }
+    }
+
+    /// A tile's heights.
+    pub fn tile(&self, tile: TileId) -> Result<Option<Arc<HeightTile>>, CityError> {
+        {
+            let cache = self
+                .cache
+                .lock()
+                .unwrap_or_else(std::sync::PoisonError::into_inner);
+            if let Some(known) = cache.tiles.get(&tile) {
+                return Ok(known.clone());
+            }
+        }
+        let path = tile_path(&self.folder, Layer::Terrain, tile);
+        let ground = match path.exists() {
+            true => Some(Arc::new(
+                read_terrain(&path, self.side, self.step_m)?.ground,
+            )),
+            false => None,
+        };
+        self.keep(tile, ground.clone());
+        Ok(ground)
+    }
+
+    /// Ground at a point of the city, metres.
+    pub fn at(&self, x: f64, y: f64) -> Result<Option<f64>, CityError> {
+        let Some(id) = self.grid.tile_at(DVec2::new(x, y)) else {
+            return Ok(None);
+        };
+        let origin = self.grid.origin(id);
+        Ok(self
+            .tile(id)?
+            .and_then(|tile| tile.ground(x - origin.x, y - origin.y)))
+    }
+}

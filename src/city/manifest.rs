@@ -1,0 +1,69 @@
+//! `city.toml`: what the city is and where it came from.
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::{FootprintReport, HeightRule};
+use crate::space::{Place, TileGrid};
+
+/// Version of the folder's layout; a reader refuses others.
+pub const FORMAT: u32 = 1;
+
+/// The whole of `city.toml`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Layout version.
+    pub format: u32,
+    /// The city's name: the folder's.
+    pub name: String,
+    /// `EPSG:n`, or WKT where the CRS is not registered.
+    pub crs: String,
+    /// The unit of all lengths and heights.
+    pub units: String,
+    /// Side of a building-map texel, metres.
+    pub texel_m: f64,
+    /// Texels along a tile's side.
+    pub tile_texels: usize,
+    /// Distance between terrain samples, metres.
+    pub terrain_step_m: f64,
+    /// Terrain samples along a tile's side (both borders included).
+    pub terrain_side: usize,
+    /// Bound on the mesh's vertical error, metres.
+    pub terrain_error_m: f64,
+    /// Pixels along a photo tile's side, 0 without photos.
+    pub photo_side: usize,
+    /// Levels of the tile quadtree present (1 = level 0 only).
+    pub levels: u32,
+    /// Buildings in the digital map.
+    pub buildings: u64,
+    /// Height of buildings without one, metres.
+    pub default_height_m: f64,
+    /// Triangles of the terrain's irregular network, all tiles.
+    pub terrain_triangles: u64,
+    /// Triangles of the regular grid, all tiles.
+    pub grid_triangles: u64,
+    /// Bytes of the building map when loaded, pyramid included.
+    pub building_map_bytes: u64,
+    /// Bytes of the same buildings as walls and roofs of indexed triangles.
+    pub triangle_bytes: u64,
+    /// Where on the globe the middle of the city is.
+    pub place: Place,
+    /// The tile grid.
+    pub grid: TileGrid,
+    /// Which attribute gives heights.
+    pub height_rule: HeightRule,
+    /// The files it was made from.
+    pub sources: Vec<SourceRecord>,
+    /// What became of the footprints.
+    pub footprints: FootprintReport,
+}
+
+/// One source file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SourceRecord {
+    /// `terrain`, `buildings` or `photo`.
+    pub role: String,
+    /// File name as given.
+    pub path: String,
+    /// Bytes.
+    pub bytes: u64,
+}

@@ -1,0 +1,16 @@
+//! The city folder: one folder is one city, every file a standard format (DESIGN: the city folder).
+
+mod codec;
+mod error;
+mod geotiff;
+mod ground;
+mod import;
+mod manifest;
+mod staging;
+mod store;
+
+pub use codec::{PhotoTile, TerrainTile};
+pub use error::CityError;
+pub use import::{ImportOptions, ImportReport, import};
+pub use manifest::{Manifest, SourceRecord};
+pub use store::City;

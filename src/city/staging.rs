@@ -1,0 +1,106 @@
+//! The folder a city is made in, beside its place, until it is whole.
+//!
+//! A killed import leaves `NAME.partial`; the same import run again goes on from its finished tiles.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::CityError;
+
+/// A city in the making.
+pub struct Staging {
+    folder: PathBuf,
+    target: PathBuf,
+}
+
+const RECIPE: &str = "import.recipe";
+
+impl Staging {
+    /// Opens the staging folder of `target`. Tiles left by an import with the same `recipe` (its options and its
+    /// sources' sizes and times) are kept, others removed.
+    pub fn open(target: &Path, recipe: &str) -> Result<Self, CityError> {
+        if target.exists() && !target.join("city.toml").is_file() {
+            let occupied = !target.is_dir()
+                || fs::read_dir(target).is_ok_and(|mut entries| entries.next().is_some());
+            if occupied {
+                return Err(CityError::Unfit {
+                    what: format!("{}: exists and is not a city", target.display()),
+                    advice: "choose another --out or remove it yourself".to_owned(),
+                });
+            }
+        }
+        let mut name = target.file_name().unwrap_or_default().to_owned();
+        if name.is_empty() {
+            return Err(CityError::Unfit {
+                what: format!("{}: is no folder name", target.display()),
+                advice: "give --out a folder to make".to_owned(),
+            });
+        }
+        name.push(".partial");
+        let folder = target.with_file_name(name);
+        let recipe_path = folder.join(RECIPE);
+        if folder.exists() && fs::read_to_string(&recipe_path).ok().as_deref() != Some(recipe) {
+            fs::remove_dir_all(&folder).map_err(CityError::file(&folder))?;
+        }
+        for layer in ["terrain/0", "buildings/0", "photo/0"] {
+            let path = folder.join(layer);
+            fs::create_dir_all(&path).map_err(CityError::file(&path))?;
+        }
+        fs::write(&recipe_path, recipe).map_err(CityError::file(&recipe_path))?;
+        Ok(Self {
+            folder,
+            target: target.to_owned(),
+        })
+    }
+
+    /// Where to write.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Makes the city durable and puts it in place in one step, in exchange for an older one.
+    pub fn finish(self) -> Result<(), CityError> {
+        let recipe = self.folder.join(RECIPE);
+        fs::remove_file(&recipe).map_err(CityError::file(&recipe))?;
+        sync(&self.folder)?;
+        if self.target.join("city.toml").is_file() {
+            exchange(&self.folder, &self.target)?;
+            fs::remove_dir_all(&self.folder).map_err(CityError::file(&self.folder))?;
+        } else {
+            if self.target.is_dir() {
+                fs::remove_dir(&self.target).map_err(CityError::file(&self.target))?;
+            }
+            fs::rename(&self.folder, &self.target).map_err(CityError::file(&self.target))?;
+        }
+        let parent = self
+            .target
+            .parent()
+            .filter(|parent| !parent.as_os_str().is_empty());
+        sync(parent.unwrap_or(Path::new(".")))
+    }
+}
+
+/// Flushes the file system that holds the folder: one call instead of one per tile.
+fn sync(folder: &Path) -> Result<(), CityError> {
+    let handle = fs::File::open(folder).map_err(CityError::file(folder))?;
+    #[cfg(target_os = "linux")]
+    rustix::fs::syncfs(&handle).map_err(|error| CityError::file(folder)(error.into()))?;
+    #[cfg(not(target_os = "linux"))]
+    let _ = handle.sync_all();
+    Ok(())
+}
+
+#[cfg(target_os = "linux")]
+fn exchange(new: &Path, old: &Path) -> Result<(), CityError> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    renameat_with(CWD, new, CWD, old, RenameFlags::EXCHANGE)
+        .map_err(|error| CityError::file(old)(error.into()))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn exchange(new: &Path, old: &Path) -> Result<(), CityError> {
+    let aside = old.with_extension("previous");
+    fs::rename(old, &aside).map_err(CityError::file(old))?;
+    fs::rename(new, old).map_err(CityError::file(old))?;
+    fs::rename(&aside, new).map_err(CityError::file(new))
+}

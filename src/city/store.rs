@@ -1,0 +1,146 @@
+//! An opened city folder: finds and reads its tiles. Pure Rust, no GDAL.
+
+use std::path::{Path, PathBuf};
+
+use super::codec::{self, PhotoTile, TerrainTile};
+use super::manifest::FORMAT;
+use super::{CityError, Manifest};
+use crate::buildings::BuildingMap;
+use crate::space::TileId;
+
+/// A city on disk.
+#[derive(Clone, Debug)]
+pub struct City {
+    folder: PathBuf,
+    manifest: Manifest,
+}
+
+/// The three layers of the tile grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// Ground heights.
+    Terrain,
+    /// Building map.
+    Buildings,
+    /// Aerial photo.
+    Photo,
+}
+
+/// Where a tile's file lies under a city folder.
+pub fn tile_path(folder: &Path, layer: Layer, tile: TileId) -> PathBuf {
+    let layer = match layer {
+        Layer::Terrain => "terrain",
+        Layer::Buildings => "buildings",
+        Layer::Photo => "photo",
+    };
+    folder
+        .join(layer)
+        .join(tile.level.to_string())
+        .join(format!("{}_{}.tif", tile.x, tile.y))
+}
+
+/// Largest counts a manifest may ask a reader to allocate for.
+const MOST_TILE_SAMPLES: usize = 8192;
+
+impl City {
+    /// Opens a folder by its `city.toml`.
+    pub fn open(folder: &Path) -> Result<Self, CityError> {
+        let not_a_city = |why: String| CityError::NotACity {
+            path: folder.to_owned(),
+            why,
+        };
+        let text = std::fs::read_to_string(folder.join("city.toml"))
+            .map_err(|error| not_a_city(format!("city.toml: {error}")))?;
+        let manifest: Manifest =
+            toml::from_str(&text).map_err(|error| not_a_city(format!("city.toml: {error}")))?;
+        if manifest.format != FORMAT {
+            return Err(not_a_city(format!(
+                "its format is {}, this program reads {FORMAT}",
+                manifest.format
+            )));
+        }
+        let grid = &manifest.grid;
+        let sane = manifest.tile_texels.is_power_of_two()
+            && [
+                manifest.tile_texels,
+                manifest.terrain_side,
+                manifest.photo_side,
+            ]
+            .iter()
+            .all(|&count| count <= MOST_TILE_SAMPLES)
+            && manifest.terrain_side >= 2
+            && [
+                grid.west,
+                grid.south,
+                grid.tile_m,
+                manifest.texel_m,
+                manifest.terrain_step_m,
+            ]
+            .iter()
+            .all(|value| value.is_finite())
+            && grid.tile_m > 0.0
+            && u64::from(grid.columns) * u64::from(grid.rows) <= 1 << 26;
+        if !sane {
+            return Err(not_a_city("city.toml: its sizes are impossible".to_owned()));
+        }
+        Ok(Self {
+            folder: folder.to_owned(),
+            manifest,
+        })
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// `city.toml`.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The digital map of record.
+    pub fn digital_map_path(&self) -> PathBuf {
+        self.folder.join("buildings.gpkg")
+    }
+
+    /// A tile's path, when it exists as a plain file.
+    fn existing(&self, layer: Layer, tile: TileId) -> Option<PathBuf> {
+        let path = tile_path(&self.folder, layer, tile);
+        // A link could lead the reader out of the folder.
+        let kind = std::fs::symlink_metadata(&path).ok()?;
+        kind.is_file().then_some(path)
+    }
+
+    /// Ground of a tile, none where the city has none.
+    pub fn terrain(&self, tile: TileId) -> Result<Option<TerrainTile>, CityError> {
+        self.existing(Layer::Terrain, tile)
+            .map(|path| {
+                codec::read_terrain(
+                    &path,
+                    self.manifest.terrain_side,
+                    self.manifest.terrain_step_m,
+                )
+            })
+            .transpose()
+    }
+
+    /// Building map of a tile, none where no building stands.
+    pub fn buildings(&self, tile: TileId) -> Result<Option<BuildingMap>, CityError> {
+        self.existing(Layer::Buildings, tile)
+            .map(|path| {
+                codec::read_buildings(&path, self.manifest.tile_texels, self.manifest.texel_m)
+            })
+            .transpose()
+    }
+
+    /// Photo of a tile, none where there is none.
+    pub fn photo(&self, tile: TileId) -> Result<Option<PhotoTile>, CityError> {
+        if self.manifest.photo_side == 0 {
+            return Ok(None);
+        }
+        self.existing(Layer::Photo, tile)
+            .map(|path| codec::read_photo(&path, self.manifest.photo_side))
+            .transpose()
+    }
+}

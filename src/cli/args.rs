@@ -1,0 +1,36 @@
+//! The commands and their flags.
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+/// Survey data in, a true city out.
+#[derive(Debug, Parser)]
+#[command(name = "rilievo", version, about)]
+pub struct Args {
+    /// Say more on standard error, GDAL's own messages included.
+    #[arg(long, global = true)]
+    pub verbose: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Make a city folder from survey files.
+    Import(super::import::ImportArgs),
+    /// Say what a city holds.
+    Info(InfoArgs),
+}
+
+/// Flags of `info`.
+#[derive(Debug, clap::Args)]
+pub struct InfoArgs {
+    /// The city folder.
+    pub city: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}

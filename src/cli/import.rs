@@ -1,0 +1,141 @@
+//! `rilievo import`: survey files to a city folder, and a report of what became of them.
+
+use std::path::PathBuf;
+
+use super::CommandError;
+use crate::city::{ImportOptions, ImportReport, import};
+use crate::source::HeightRule;
+
+/// Flags of `import`.
+#[derive(Debug, clap::Args)]
+pub struct ImportArgs {
+    /// Bare-earth terrain rasters (any format GDAL reads); several make a mosaic.
+    #[arg(long, required = true, num_args = 1..)]
+    terrain: Vec<PathBuf>,
+    /// Building footprints (any format OGR reads, or CityJSON).
+    #[arg(long)]
+    buildings: PathBuf,
+    /// Layer of the footprint file; for CAD drawings a CAD layer.
+    #[arg(long)]
+    layer: Option<String>,
+    /// Field with the building's height above ground, metres.
+    #[arg(long, group = "height")]
+    height_field: Option<String>,
+    /// Field with the number of storeys.
+    #[arg(long, group = "height")]
+    storeys_field: Option<String>,
+    /// Height of a storey, metres.
+    #[arg(long, default_value_t = 3.2)]
+    storey_height: f64,
+    /// Field with the roof's elevation above the vertical datum, metres.
+    #[arg(long, group = "height")]
+    roof_field: Option<String>,
+    /// Height of buildings without one, metres.
+    #[arg(long, default_value_t = 6.0)]
+    default_height: f64,
+    /// Aerial photos (any format GDAL reads); later ones lie on top.
+    #[arg(long, num_args = 1..)]
+    photo: Vec<PathBuf>,
+    /// The city's CRS, projected in metres [default: the terrain's, or the UTM zone of the place].
+    #[arg(long)]
+    crs: Option<String>,
+    /// CRS of terrain files that name none [default: --crs].
+    #[arg(long)]
+    terrain_crs: Option<String>,
+    /// CRS of a footprint file that names none [default: --crs].
+    #[arg(long)]
+    buildings_crs: Option<String>,
+    /// CRS of photos that name none [default: the city's].
+    #[arg(long)]
+    photo_crs: Option<String>,
+    /// Metres per vertical unit of the terrain, 0.3048 for feet [default: what the files say].
+    #[arg(long)]
+    terrain_unit: Option<f64>,
+    /// Bound on the terrain mesh's vertical error, metres.
+    #[arg(long, default_value_t = 0.25)]
+    terrain_error: f64,
+    /// Widest hole in the terrain that is filled, metres.
+    #[arg(long, default_value_t = 50.0)]
+    fill: f64,
+    /// Terrain kept around the buildings, metres.
+    #[arg(long, default_value_t = 2000.0)]
+    margin: f64,
+    /// Side of a building-map texel, metres.
+    #[arg(long, default_value_t = 1.0)]
+    texel: f64,
+    /// The city folder to make.
+    #[arg(long)]
+    out: PathBuf,
+}
+
+/// Imports and prints the report.
+pub fn run(args: ImportArgs) -> Result<(), CommandError> {
+    let storey_height_m = args.storey_height;
+    let height_rule = (args.height_field.map(|field| HeightRule::Height { field }))
+        .or_else(|| {
+            args.storeys_field.map(|field| HeightRule::Storeys {
+                field,
+                storey_height_m,
+            })
+        })
+        .or_else(|| {
+            args.roof_field
+                .map(|field| HeightRule::RoofElevation { field })
+        });
+    let options = ImportOptions {
+        terrain: args.terrain,
+        buildings: args.buildings,
+        layer: args.layer,
+        height_rule,
+        default_height_m: args.default_height,
+        photos: args.photo,
+        crs: args.crs,
+        terrain_crs: args.terrain_crs,
+        buildings_crs: args.buildings_crs,
+        photo_crs: args.photo_crs,
+        terrain_unit_m: args.terrain_unit,
+        terrain_error_m: args.terrain_error,
+        fill_m: args.fill,
+        margin_m: args.margin,
+        texel_m: args.texel,
+        out: args.out,
+    };
+    let report = import(&options)?;
+    print_report(&options, &report);
+    Ok(())
+}
+
+fn print_report(options: &ImportOptions, report: &ImportReport) {
+    let city = &report.manifest;
+    let footprints = &city.footprints;
+    println!("{}", options.out.display());
+    println!("  CRS              {}", super::info::crs_name(&city.crs));
+    println!(
+        "  terrain          {} tiles of {} m, samples {} m apart, {} triangles (grid: {}), {} samples filled",
+        report.terrain_tiles,
+        city.grid.tile_m,
+        city.terrain_step_m,
+        city.terrain_triangles,
+        city.grid_triangles,
+        report.filled_samples
+    );
+    println!("  footprints read  {}", footprints.read);
+    println!("  kept             {}", footprints.kept);
+    let counted = |title: &str, counts: &std::collections::BTreeMap<String, u64>| {
+        for (what, count) in counts {
+            println!("  {title:16} {count}: {what}");
+        }
+    };
+    counted("mended", &footprints.mended);
+    counted("left out", &footprints.left_out);
+    counted("default height", &footprints.default_heights);
+    if footprints.duplicates > 0 {
+        println!(
+            "  {:16} {}: outline equal to an earlier one",
+            "duplicates", footprints.duplicates
+        );
+    }
+    for warning in &report.warnings {
+        println!("  note: {warning}");
+    }
+}

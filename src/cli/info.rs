@@ -1,0 +1,76 @@
+//! `rilievo info`: what a city holds.
+
+use serde_json::json;
+
+use super::CommandError;
+use super::args::InfoArgs;
+use crate::city::City;
+
+/// A CRS's code, or a word for a long WKT.
+pub fn crs_name(label: &str) -> &str {
+    if label.starts_with("EPSG:") {
+        label
+    } else {
+        "without a code (WKT in city.toml)"
+    }
+}
+
+/// Prints the city's figures.
+pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
+    let city = City::open(&args.city)?;
+    let manifest = city.manifest();
+    let bounds = manifest.grid.bounds();
+    let square_km = bounds.width() * bounds.height() * 1e-6;
+    let per_building = |bytes: u64| bytes as f64 / manifest.buildings.max(1) as f64;
+    let per_km2 = |bytes: u64| bytes as f64 / square_km;
+    if args.json {
+        let object = json!({
+            "name": manifest.name,
+            "crs": manifest.crs,
+            "buildings": manifest.buildings,
+            "tiles": u64::from(manifest.grid.columns) * u64::from(manifest.grid.rows),
+            "extent": [bounds.west, bounds.south, bounds.east, bounds.north],
+            "texel_m": manifest.texel_m,
+            "terrain_step_m": manifest.terrain_step_m,
+            "terrain_error_m": manifest.terrain_error_m,
+            "building_map_bytes": manifest.building_map_bytes,
+            "building_map_bytes_per_km2": per_km2(manifest.building_map_bytes),
+            "building_map_bytes_per_building": per_building(manifest.building_map_bytes),
+            "triangle_bytes": manifest.triangle_bytes,
+            "triangle_bytes_per_building": per_building(manifest.triangle_bytes),
+            "terrain_triangles": manifest.terrain_triangles,
+            "grid_triangles": manifest.grid_triangles,
+            "place": manifest.place,
+            "footprints": manifest.footprints,
+        });
+        println!("{object}");
+        return Ok(());
+    }
+    println!("{}", manifest.name);
+    println!("  CRS            {}", crs_name(&manifest.crs));
+    println!(
+        "  extent         {:.1} {:.1} {:.1} {:.1} (west south east north, {square_km:.2} km2)",
+        bounds.west, bounds.south, bounds.east, bounds.north
+    );
+    println!("  buildings      {}", manifest.buildings);
+    println!(
+        "  tiles          {} x {} of {} m",
+        manifest.grid.columns, manifest.grid.rows, manifest.grid.tile_m
+    );
+    println!(
+        "  terrain        {} triangles within {} m (a regular grid: {})",
+        manifest.terrain_triangles, manifest.terrain_error_m, manifest.grid_triangles
+    );
+    for (what, bytes) in [
+        ("building map ", manifest.building_map_bytes),
+        ("as triangles ", manifest.triangle_bytes),
+    ] {
+        println!(
+            "  {what}  {:.2} MB: {:.0} bytes a building, {:.0} kB/km2",
+            bytes as f64 * 1e-6,
+            per_building(bytes),
+            per_km2(bytes) * 1e-3
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! The command line: the public interface that scripts rely on.
+
+mod args;
+mod import;
+mod info;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use thiserror::Error;
+
+pub use args::{Args, Command};
+
+/// What ends a command.
+#[derive(Debug, Error)]
+pub enum CommandError {
+    /// A city could not be made or opened.
+    #[error(transparent)]
+    City(#[from] crate::city::CityError),
+    /// A file could not be written.
+    #[error("{path}: {why}")]
+    File {
+        /// The file.
+        path: String,
+        /// What the system said.
+        why: String,
+    },
+}
+
+/// Parses, runs, and turns the outcome into an exit status: 0 done, 1 failed with one line, 2 wrong usage.
+pub fn main() -> ExitCode {
+    let args = Args::parse();
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_max_level(if args.verbose {
+            tracing::Level::DEBUG
+        } else {
+            tracing::Level::WARN
+        })
+        .without_time()
+        .init();
+    crate::space::silence_gdal();
+    match run(args.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("rilievo: {}", error.to_string().replace('\n', " "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: Command) -> Result<(), CommandError> {
+    match command {
+        Command::Import(args) => import::run(args),
+        Command::Info(args) => info::run(&args),
+    }
+}

@@ -1,0 +1,15 @@
+//! What the survey office gives: georeferenced grids, footprints and photos, read by GDAL and OGR.
+//!
+//! Everything leaves here in metres and in the city's CRS.
+
+mod error;
+mod footprint;
+mod raster;
+mod vector;
+
+pub use error::SourceError;
+pub use footprint::{Footprint, HeightRule, RoofSpec};
+pub use raster::{Dtm, DtmSampler, Photos};
+pub use vector::{
+    CleanReport, DigitalMap, FootprintReport, FootprintSource, MapWriter, Outline, clean_outline,
+};

@@ -1,0 +1,8 @@
+//! Rasters: the bare-earth terrain (`dtm`) and aerial photos (`photo`).
+
+mod dtm;
+mod photo;
+mod window;
+
+pub use dtm::{Dtm, DtmSampler};
+pub use photo::Photos;

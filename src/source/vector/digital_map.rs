@@ -1,0 +1,175 @@
+//! `buildings.gpkg`, the digital map of record: every footprint with its attributes, to be edited in QGIS.
+
+use std::path::{Path, PathBuf};
+
+use gdal::vector::{
+    Defn, Feature, Geometry, LayerAccess, LayerOptions, OGRFieldType, OGRwkbGeometryType,
+};
+use gdal::{Dataset, DriverManager};
+use geo::MultiPolygon;
+
+use super::FootprintSource;
+use super::feature::wkb_of;
+use crate::source::{Footprint, HeightRule, SourceError};
+use crate::space::Crs;
+
+/// Name of the one layer.
+pub const LAYER: &str = "buildings";
+
+/// Reads a city's digital map.
+pub struct DigitalMap;
+
+impl DigitalMap {
+    /// All footprints of `buildings.gpkg`, by the city's height rule.
+    pub fn read(
+        path: &Path,
+        city: &Crs,
+        rule: &HeightRule,
+        default_height_m: f64,
+    ) -> Result<Vec<Footprint>, SourceError> {
+        let mut footprints = Vec::new();
+        FootprintSource::open_digital_map(path)?.read(
+            city,
+            rule,
+            default_height_m,
+            None,
+            |footprint| {
+                footprints.push(footprint);
+            },
+        )?;
+        Ok(footprints)
+    }
+}
+
+/// Writes a new GeoPackage with the layer `buildings`.
+pub struct MapWriter {
+    path: PathBuf,
+    dataset: Dataset,
+    /// Source field index to target field index, -1 where it has no place.
+    field_map: Vec<i32>,
+}
+
+impl MapWriter {
+    /// Creates the file, replacing an older one.
+    pub fn create(path: &Path, crs: &Crs) -> Result<Self, SourceError> {
+        let write_error = |why: String| SourceError::Write {
+            path: path.to_owned(),
+            why,
+        };
+        // The GeoPackage stores when it was last changed; the same input must give the same bytes.
+        gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
+            .map_err(|error| write_error(error.to_string()))?;
+        if path.exists() {
+            std::fs::remove_file(path).map_err(|error| write_error(error.to_string()))?;
+        }
+        let create = || -> Result<Dataset, gdal::errors::GdalError> {
+            let driver = DriverManager::get_driver_by_name("GPKG")?;
+            let mut dataset = driver.create_vector_only(path)?;
+            let srs = crs.reference().ok();
+            dataset.create_layer(LayerOptions {
+                name: LAYER,
+                srs: srs.as_ref(),
+                ty: OGRwkbGeometryType::wkbMultiPolygon,
+                options: Some(&["GEOMETRY_NAME=geom", "FID=fid"]),
+            })?;
+            Ok(dataset)
+        };
+        let dataset = create().map_err(|error| write_error(error.to_string()))?;
+        // SAFETY: the dataset is open; a driver without transactions only returns an error.
+        unsafe { gdal_sys::GDALDatasetStartTransaction(dataset.c_dataset(), 0) };
+        Ok(Self {
+            path: path.to_owned(),
+            dataset,
+            field_map: Vec::new(),
+        })
+    }
+
+    fn error(&self, why: impl ToString) -> SourceError {
+        SourceError::Write {
+            path: self.path.clone(),
+            why: why.to_string(),
+        }
+    }
+
+    /// Gives the map the source's attribute columns.
+    pub fn copy_fields(&mut self, source: &Defn) -> Result<(), SourceError> {
+        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
+        let mut target_index = 0;
+        for field in source.fields() {
+            let kind = match field.field_type() {
+                known @ (OGRFieldType::OFTInteger
+                | OGRFieldType::OFTInteger64
+                | OGRFieldType::OFTReal
+                | OGRFieldType::OFTDate
+                | OGRFieldType::OFTDateTime) => known,
+                _ => OGRFieldType::OFTString,
+            };
+            let name = field.name();
+            let taken = ["fid", "geom"].contains(&name.to_lowercase().as_str());
+            let name = if taken {
+                format!("source_{name}")
+            } else {
+                name
+            };
+            let added = gdal::vector::FieldDefn::new(&name, kind)
+                .and_then(|definition| definition.add_to_layer(&layer));
+            // Two names that differ in case only are one column to SQLite: the first stays.
+            self.field_map
+                .push(if added.is_ok() { target_index } else { -1 });
+            target_index += i32::from(added.is_ok());
+        }
+        Ok(())
+    }
+
+    /// Adds one building with the attributes of its source feature.
+    pub fn add(
+        &mut self,
+        source: &Feature<'_>,
+        fid: u32,
+        outline: &MultiPolygon<f64>,
+    ) -> Result<(), SourceError> {
+        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
+        let geometry = Geometry::from_wkb(&wkb_of(outline)).map_err(|error| self.error(error))?;
+        let mut feature = Feature::new(layer.defn()).map_err(|error| self.error(error))?;
+        // SAFETY: both features are alive and the map has one entry per source field.
+        unsafe {
+            gdal_sys::OGR_F_SetFromWithMap(
+                feature.c_feature(),
+                source.c_feature(),
+                1,
+                self.field_map.as_ptr().cast_mut(),
+            );
+            gdal_sys::OGR_F_SetFID(feature.c_feature(), i64::from(fid));
+        }
+        feature
+            .set_geometry(geometry)
+            .and_then(|()| feature.create(&layer))
+            .map_err(|error| self.error(error))
+    }
+
+    /// Takes buildings out again.
+    pub fn remove(&mut self, fids: &[u32]) -> Result<(), SourceError> {
+        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
+        for fid in fids {
+            // SAFETY: the layer is alive; an unknown FID is only reported.
+            unsafe { gdal_sys::OGR_L_DeleteFeature(layer.c_layer(), i64::from(*fid)) };
+        }
+        Ok(())
+    }
+
+    /// Commits and closes.
+    pub fn finish(self) -> Result<(), SourceError> {
+        let path = self.path;
+        // SAFETY: the dataset is open.
+        let status = unsafe { gdal_sys::GDALDatasetCommitTransaction(self.dataset.c_dataset()) };
+        let closed = self.dataset.close();
+        if status != gdal_sys::OGRErr::OGRERR_NONE {
+            let why = "the transaction was refused".to_owned();
+            return Err(SourceError::Write { path, why });
+        }
+        closed.map_err(|error| SourceError::Write {
+            path,
+            why: error.to_string(),
+        })
+    }
+}

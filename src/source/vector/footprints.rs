@@ -1,0 +1,488 @@
+//! A footprint file opened with OGR, and the stream of cleaned footprints it gives.
+
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+use gdal::vector::{Defn, Feature, LayerAccess, OGRwkbGeometryType};
+use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
+use geo::MultiPolygon;
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::clean::{CleanReport, Outline, clean_outline};
+use super::feature::{FieldPlace, collect_polygons};
+use super::{FootprintReport, MapWriter, cityjson};
+use crate::source::{Footprint, HeightRule, RoofSpec, SourceError};
+use crate::space::{Crs, PointTransform};
+
+/// One layer of a vector file.
+pub struct FootprintSource {
+    path: PathBuf,
+    dataset: Dataset,
+    layer_index: usize,
+    crs: Crs,
+    is_osm: bool,
+    /// Lines count as outlines: CAD drawings have no areas.
+    is_cad: bool,
+    is_cityjson: bool,
+    /// Building ids: the feature's place (source files) or its FID (the digital map of record).
+    ids_are_fids: bool,
+}
+
+/// Features cleaned in parallel at a time.
+const BATCH: usize = 8192;
+
+/// A feature taken out of OGR's hands.
+struct Raw {
+    place: u32,
+    outline: Outline,
+    roof: Result<RoofSpec, &'static str>,
+    left_out: Option<&'static str>,
+}
+
+impl FootprintSource {
+    /// Opens a file and picks its layer: the named one, or the only one with areas.
+    pub fn open(
+        path: &Path,
+        layer: Option<&str>,
+        assumed_crs: Option<&Crs>,
+    ) -> Result<Self, SourceError> {
+        let (dataset, cityjson_crs, is_cityjson) = match cityjson::virtual_path(path) {
+            Some(virtual_path) => {
+                let (dataset, crs) = cityjson::open(path, &virtual_path)?;
+                (dataset, crs, true)
+            }
+            None => (open_vector(path)?, None, false),
+        };
+        let driver = dataset.driver().short_name();
+        let (is_osm, is_cad) = (
+            driver == "OSM",
+            driver == "DXF" || driver == "DGN" || driver == "CAD",
+        );
+        let mut source = Self {
+            path: path.to_owned(),
+            dataset,
+            layer_index: 0,
+            crs: Crs::from_text("EPSG:4326").map_err(|source| SourceError::Crs {
+                path: path.to_owned(),
+                source,
+            })?,
+            is_osm,
+            is_cad,
+            is_cityjson,
+            ids_are_fids: false,
+        };
+        source.pick_layer(layer)?;
+        source.crs = match (cityjson_crs, source.layer_crs()?) {
+            (Some(crs), _) | (None, Some(crs)) => crs,
+            (None, None) => assumed_crs.cloned().ok_or_else(|| SourceError::NoCrs {
+                path: path.to_owned(),
+                flag: "--buildings-crs",
+            })?,
+        };
+        Ok(source)
+    }
+
+    /// Opens a city's digital map of record, where a building's id is its FID.
+    pub fn open_digital_map(path: &Path) -> Result<Self, SourceError> {
+        let mut source = Self::open(path, Some(super::digital_map::LAYER), None)?;
+        source.ids_are_fids = true;
+        Ok(source)
+    }
+
+    /// The layer's CRS.
+    pub fn crs(&self) -> &Crs {
+        &self.crs
+    }
+
+    /// The rule to use when none was asked for: CityJSON knows the height of its own geometry.
+    pub fn default_rule(&self) -> HeightRule {
+        if self.is_cityjson {
+            HeightRule::Height {
+                field: cityjson::GEOMETRY_HEIGHT.to_owned(),
+            }
+        } else {
+            HeightRule::Default
+        }
+    }
+
+    /// Longitude and latitude of the middle of the layer's extent, degrees; none when OGR does not know it.
+    pub fn centre_on_globe(&self) -> Option<DVec2> {
+        let extent = self.layer().ok()?.try_get_extent().ok()??;
+        let centre = DVec2::new(
+            0.5 * (extent.MinX + extent.MaxX),
+            0.5 * (extent.MinY + extent.MaxY),
+        );
+        let globe = Crs::from_text("EPSG:4326").ok()?;
+        PointTransform::new(&self.crs, &globe).ok()?.point(centre)
+    }
+
+    /// Names of the layer's attributes.
+    pub fn field_names(&self) -> Result<Vec<String>, SourceError> {
+        let layer = self.layer()?;
+        Ok(layer.defn().fields().map(|field| field.name()).collect())
+    }
+
+    fn layer(&self) -> Result<gdal::vector::Layer<'_>, SourceError> {
+        self.dataset
+            .layer(self.layer_index)
+            .map_err(|error| self.read_error(error.to_string()))
+    }
+
+    fn read_error(&self, why: String) -> SourceError {
+        SourceError::Read {
+            path: self.path.clone(),
+            why,
+        }
+    }
+
+    fn pick_layer(&mut self, wanted: Option<&str>) -> Result<(), SourceError> {
+        let layers: Vec<(String, bool)> = self
+            .dataset
+            .layers()
+            .map(|layer| (layer.name(), may_hold_areas(layer.defn())))
+            .collect();
+        let names = || {
+            let list: Vec<&str> = layers.iter().map(|(name, _)| name.as_str()).collect();
+            list.join(", ")
+        };
+        if self.is_cad {
+            // A CAD drawing is one OGR layer; its own layers are an attribute.
+            if let Some(name) = wanted {
+                let filter = format!("Layer = '{}'", name.replace('\'', "''"));
+                let mut layer = self.layer()?;
+                let filtered = layer.set_attribute_filter(&filter);
+                if filtered.is_err() || layer.feature_count() == 0 {
+                    return Err(self.unfit(
+                        format!("has no entities on a layer '{name}'"),
+                        format!("its layers are {}", self.cad_layers()?.join(", ")),
+                    ));
+                }
+            }
+            return Ok(());
+        }
+        let choice = match wanted {
+            Some(name) => layers.iter().position(|(layer, _)| layer == name),
+            None if self.is_osm => layers
+                .iter()
+                .position(|(layer, _)| layer == "multipolygons"),
+            None => {
+                let mut areas = (0..).zip(&layers).filter(|(_, (_, areas))| *areas);
+                match (areas.next(), areas.next()) {
+                    (Some((index, _)), None) => Some(index),
+                    (Some(_), Some(_)) => {
+                        return Err(self.unfit(
+                            format!("has several layers ({})", names()),
+                            "choose one with --layer NAME".to_owned(),
+                        ));
+                    }
+                    _ => None,
+                }
+            }
+        };
+        self.layer_index = choice.ok_or_else(|| match wanted {
+            Some(name) => self.unfit(
+                format!("has no layer '{name}'"),
+                format!("its layers are {}", names()),
+            ),
+            None => self.unfit(
+                format!("has no layer of areas (it has: {})", names()),
+                "give a file of building footprints (polygons)".to_owned(),
+            ),
+        })?;
+        Ok(())
+    }
+
+    fn cad_layers(&self) -> Result<Vec<String>, SourceError> {
+        let mut layer = self.layer()?;
+        let _ = layer.set_attribute_filter("1 = 1");
+        let mut names: Vec<String> = layer
+            .features()
+            .filter_map(|feature| {
+                feature
+                    .field_as_string(feature.field_index("Layer").ok()?)
+                    .ok()?
+            })
+            .collect();
+        names.sort();
+        names.dedup();
+        Ok(names)
+    }
+
+    fn unfit(&self, what: String, advice: String) -> SourceError {
+        SourceError::Unfit {
+            path: self.path.clone(),
+            what,
+            advice,
+        }
+    }
+
+    fn layer_crs(&self) -> Result<Option<Crs>, SourceError> {
+        let Some(reference) = self.layer()?.spatial_ref() else {
+            return Ok(None);
+        };
+        if reference.is_local() {
+            return Ok(None);
+        }
+        Crs::from_gdal(reference)
+            .map(Some)
+            .map_err(|source| SourceError::Crs {
+                path: self.path.clone(),
+                source,
+            })
+    }
+
+    /// Reads every feature into the city's CRS; kept ones go to `each` and, with their attributes, to `map`.
+    pub fn read(
+        &self,
+        city: &Crs,
+        rule: &HeightRule,
+        default_height_m: f64,
+        mut map: Option<&mut MapWriter>,
+        mut each: impl FnMut(Footprint),
+    ) -> Result<FootprintReport, SourceError> {
+        let mut layer = self.layer()?;
+        let field = self.field_place(layer.defn(), rule)?;
+        if let Some(map) = map.as_deref_mut() {
+            map.copy_fields(layer.defn())?;
+        }
+        let building_field = self
+            .is_osm
+            .then(|| layer.defn().field_index("building").ok())
+            .flatten();
+        let mut report = FootprintReport::default();
+        let mut seen = HashSet::new();
+        let mut place: u32 = 0;
+        let mut features = layer.features();
+        loop {
+            let mut batch: Vec<(Feature<'_>, Raw)> = Vec::new();
+            reset_gdal_error();
+            for feature in features.by_ref().take(BATCH) {
+                place += 1;
+                let id = if self.ids_are_fids {
+                    feature
+                        .fid()
+                        .and_then(|fid| u32::try_from(fid).ok())
+                        .unwrap_or(place)
+                } else {
+                    place
+                };
+                let raw = self.raw(&feature, id, rule, field, building_field);
+                batch.push((feature, raw));
+            }
+            if batch.is_empty() {
+                if let Some(why) = gdal_failure() {
+                    return Err(self.read_error(why));
+                }
+                break;
+            }
+            report.read += batch.len() as u64;
+            let cleaned = self.clean(batch.iter().map(|(_, raw)| raw).collect(), city)?;
+            for ((feature, raw), outline) in batch.into_iter().zip(cleaned) {
+                let (outline, changes) = match outline {
+                    Ok(cleaned) => cleaned,
+                    Err(why) => {
+                        report.leave_out(why);
+                        continue;
+                    }
+                };
+                count_changes(&mut report, changes);
+                report.kept += 1;
+                if !seen.insert(fingerprint(&outline)) {
+                    report.duplicates += 1;
+                }
+                let roof = raw.roof.unwrap_or_else(|why| {
+                    report.default_height(why);
+                    RoofSpec::HeightAboveBase(default_height_m)
+                });
+                if let Some(map) = map.as_deref_mut() {
+                    map.add(&feature, raw.place, &outline)?;
+                }
+                each(Footprint {
+                    fid: raw.place,
+                    outline,
+                    roof,
+                });
+            }
+        }
+        Ok(report)
+    }
+
+    fn field_place(
+        &self,
+        defn: &Defn,
+        rule: &HeightRule,
+    ) -> Result<Option<FieldPlace>, SourceError> {
+        let Some(name) = rule.field() else {
+            return Ok(None);
+        };
+        if let Ok(index) = defn.field_index(name) {
+            return Ok(Some(FieldPlace::Column(index)));
+        }
+        if let Ok(index) = defn.field_index("other_tags")
+            && self.is_osm
+        {
+            return Ok(Some(FieldPlace::OtherTags(index)));
+        }
+        let names: Vec<String> = defn.fields().map(|field| field.name()).collect();
+        Err(self.unfit(
+            format!("has no field '{name}'"),
+            format!("its fields are {}", names.join(", ")),
+        ))
+    }
+
+    fn raw(
+        &self,
+        feature: &Feature<'_>,
+        place: u32,
+        rule: &HeightRule,
+        field: Option<FieldPlace>,
+        building_field: Option<usize>,
+    ) -> Raw {
+        let text = field
+            .zip(rule.field())
+            .and_then(|(field, key)| field.text(feature, key));
+        let roof = rule
+            .roof_from_text(text.as_deref())
+            .ok_or(match (&text, field) {
+                (_, None) => "no height field was named",
+                (None, _) => "the height is missing",
+                (Some(_), _) => "the height is zero, negative or not a number",
+            });
+        let mut raw = Raw {
+            place,
+            outline: Outline::default(),
+            roof,
+            left_out: None,
+        };
+        if let Some(index) = building_field {
+            let tag = feature.field_as_string(index).ok().flatten();
+            if tag.is_none_or(|tag| tag == "no") {
+                raw.left_out = Some("not a building (no building tag)");
+                return raw;
+            }
+        }
+        let accept = if self.is_cad {
+            OGRwkbGeometryType::wkbLineString
+        } else {
+            OGRwkbGeometryType::wkbPolygon
+        };
+        match feature.geometry() {
+            Some(geometry) if !geometry.is_empty() => {
+                collect_polygons(geometry, &mut raw.outline, accept);
+                if raw.outline.polygons.is_empty() {
+                    raw.left_out = Some("not an area");
+                }
+            }
+            _ => raw.left_out = Some("no geometry"),
+        }
+        raw
+    }
+
+    fn clean(
+        &self,
+        raws: Vec<&Raw>,
+        city: &Crs,
+    ) -> Result<Vec<Result<(MultiPolygon<f64>, CleanReport), &'static str>>, SourceError> {
+        let (from, path) = (&self.crs, &self.path);
+        raws.into_par_iter()
+            .with_min_len(256)
+            .map_init(
+                || PointTransform::new(from, city),
+                |transform, raw| {
+                    if let Some(why) = raw.left_out {
+                        return Ok(Err(why));
+                    }
+                    match transform {
+                        Ok(transform) => Ok(clean_outline(&transformed(&raw.outline, transform))),
+                        Err(error) => Err(SourceError::Unfit {
+                            path: path.clone(),
+                            what: error.to_string(),
+                            advice: "name the right CRS with --buildings-crs EPSG:n".to_owned(),
+                        }),
+                    }
+                },
+            )
+            .collect()
+    }
+}
+
+fn transformed(outline: &Outline, transform: &PointTransform) -> Outline {
+    if transform.is_identity() {
+        return outline.clone();
+    }
+    let points = outline.polygons.iter().flatten().flatten();
+    let (mut xs, mut ys): (Vec<f64>, Vec<f64>) = points.map(|point| (point.x, point.y)).unzip();
+    transform.points(&mut xs, &mut ys);
+    let mut moved = outline.clone();
+    let targets = moved.polygons.iter_mut().flatten().flatten();
+    for (point, (x, y)) in targets.zip(xs.into_iter().zip(ys)) {
+        (point.x, point.y) = (x, y);
+    }
+    moved
+}
+
+fn count_changes(report: &mut FootprintReport, changes: CleanReport) {
+    for (changed, what) in [
+        (changes.merged_points, "repeated points merged"),
+        (changes.closed, "open polylines closed"),
+        (changes.rebuilt, "self-crossing or invalid outlines rebuilt"),
+        (changes.dropped_rings, "rings without area dropped"),
+    ] {
+        if changed {
+            report.mend(what);
+        }
+    }
+}
+
+fn fingerprint(outline: &MultiPolygon<f64>) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    super::feature::wkb_of(outline).hash(&mut hasher);
+    hasher.finish()
+}
+
+fn may_hold_areas(defn: &Defn) -> bool {
+    use OGRwkbGeometryType as Kind;
+    let kind = gdal::vector::geometry_type_flatten(defn.geometry_type());
+    !matches!(
+        kind,
+        Kind::wkbNone
+            | Kind::wkbPoint
+            | Kind::wkbMultiPoint
+            | Kind::wkbLineString
+            | Kind::wkbMultiLineString
+    )
+}
+
+fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
+    Dataset::open_ex(
+        path,
+        DatasetOptions {
+            open_flags: GdalOpenFlags::GDAL_OF_VECTOR
+                | GdalOpenFlags::GDAL_OF_READONLY
+                | GdalOpenFlags::GDAL_OF_VERBOSE_ERROR,
+            ..DatasetOptions::default()
+        },
+    )
+    .map_err(|error| SourceError::Open {
+        path: path.to_owned(),
+        why: error.to_string(),
+        expected: "vector file",
+    })
+}
+
+fn reset_gdal_error() {
+    // SAFETY: no arguments, thread-local state.
+    unsafe { gdal_sys::CPLErrorReset() };
+}
+
+/// GDAL's last message when it was a failure: OGR ends a damaged file like a finished one.
+fn gdal_failure() -> Option<String> {
+    // SAFETY: the message is GDAL's thread-local buffer, copied at once.
+    unsafe {
+        let failed = gdal_sys::CPLGetLastErrorType() >= gdal_sys::CPLErr::CE_Failure;
+        let message = std::ffi::CStr::from_ptr(gdal_sys::CPLGetLastErrorMsg());
+        failed.then(|| message.to_string_lossy().into_owned())
+    }
+}

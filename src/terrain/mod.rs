@@ -1,0 +1,16 @@
+//! Ground surfaces per tile: heights on a lattice, and the triangles that carry them.
+//!
+//! A triangle's corners are lattice samples, so a mesh is a list of sample indices and its vertices are
+//! displaced by the height texture alone ("global vertex displacement", KR 10-0738500): the same vertex
+//! shader draws the regular grid (`grid`) and the irregular network (`tin`).
+
+mod fill;
+mod grid;
+mod height_tile;
+mod profile;
+mod tin;
+
+pub use fill::fill_gaps;
+pub use grid::grid_triangles;
+pub use height_tile::HeightTile;
+pub use tin::{Apron, tin_triangles};
