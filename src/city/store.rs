@@ -112,6 +112,21 @@ impl City {
         kind.is_file().then_some(path)
     }
 
+    /// True when the tile has ground.
+    pub fn has_terrain(&self, tile: TileId) -> bool {
+        self.existing(Layer::Terrain, tile).is_some()
+    }
+
+    /// True when a building stands on the tile.
+    pub fn has_buildings(&self, tile: TileId) -> bool {
+        self.existing(Layer::Buildings, tile).is_some()
+    }
+
+    /// True when the tile has a photo.
+    pub fn has_photo(&self, tile: TileId) -> bool {
+        self.manifest.photo_side > 0 && self.existing(Layer::Photo, tile).is_some()
+    }
+
     /// Ground of a tile, none where the city has none.
     pub fn terrain(&self, tile: TileId) -> Result<Option<TerrainTile>, CityError> {
         self.existing(Layer::Terrain, tile)
@@ -136,10 +151,8 @@ impl City {
 
     /// Photo of a tile, none where there is none.
     pub fn photo(&self, tile: TileId) -> Result<Option<PhotoTile>, CityError> {
-        if self.manifest.photo_side == 0 {
-            return Ok(None);
-        }
         self.existing(Layer::Photo, tile)
+            .filter(|_| self.manifest.photo_side > 0)
             .map(|path| codec::read_photo(&path, self.manifest.photo_side))
             .transpose()
     }

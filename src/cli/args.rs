@@ -23,6 +23,8 @@ pub enum Command {
     Import(super::import::ImportArgs),
     /// Say what a city holds.
     Info(InfoArgs),
+    /// Draw one view to a PNG.
+    Render(super::render::RenderArgs),
 }
 
 /// Flags of `info`.

@@ -3,6 +3,7 @@
 mod args;
 mod import;
 mod info;
+mod render;
 
 use std::process::ExitCode;
 
@@ -17,6 +18,15 @@ pub enum CommandError {
     /// A city could not be made or opened.
     #[error(transparent)]
     City(#[from] crate::city::CityError),
+    /// A picture could not be made.
+    #[error(transparent)]
+    Render(#[from] crate::output::RenderError),
+    /// A picture file could not be written.
+    #[error(transparent)]
+    Output(#[from] crate::output::OutputError),
+    /// The sun could not be placed.
+    #[error(transparent)]
+    Sun(#[from] crate::space::SunError),
     /// A file could not be written.
     #[error("{path}: {why}")]
     File {
@@ -53,5 +63,6 @@ fn run(command: Command) -> Result<(), CommandError> {
     match command {
         Command::Import(args) => import::run(args),
         Command::Info(args) => info::run(&args),
+        Command::Render(args) => render::run(&args),
     }
 }

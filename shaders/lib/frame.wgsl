@@ -1,0 +1,65 @@
+// One frame's view and city. Twin: src/relief/frame.rs (a test compares the layouts).
+// Positions called `at` are eye-relative world: metres east, north and up of the eye.
+
+struct Frame {
+    clip_from_eye_relative: mat4x4<f32>,
+    // The ray through normalised device coordinates (x, y) is forward + x * across + y * upward.
+    forward: vec4<f32>,
+    across: vec4<f32>,
+    upward: vec4<f32>,
+    // Unit vector towards the sun; w: cosine of its altitude's complement is not needed, w = 1 by day.
+    sun: vec4<f32>,
+    // The eye within its tile, metres; elevation of the eye; side of a tile.
+    eye_in_tile: vec2<f32>,
+    eye_elevation: f32,
+    tile_m: f32,
+    // Column and row of the eye's tile (may lie outside the grid).
+    eye_tile: vec2<i32>,
+    // Columns and rows of the grid.
+    grid: vec2<i32>,
+    // Image size, pixels; sub-pixel offset of the sample, pixels.
+    size: vec2<f32>,
+    jitter: vec2<f32>,
+    texel_m: f32,
+    // log2 of the texels along a tile's side.
+    top_level: u32,
+    // Highest roof of the city, metres above the eye.
+    highest_roof: f32,
+    // Distance between terrain samples, metres; samples along a tile's side.
+    terrain_step_m: f32,
+    terrain_side: u32,
+    // Number of this sample, for stochastic shading; 0 draws without ambient rays.
+    sample: u32,
+    // Angle of a pixel at the image's middle, radians.
+    pixel_angle: f32,
+    photo_side: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+const FAR: f32 = 3.0e38;
+
+// Unit direction of the ray through a pixel (fragment position: its centre).
+fn ray_direction(pixel: vec2<f32>) -> vec3<f32> {
+    let ndc = (pixel + frame.jitter) / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
+    return normalize(frame.forward.xyz + ndc.x * frame.across.xyz + ndc.y * frame.upward.xyz);
+}
+
+// South-west corner of a tile, eye-relative.
+fn tile_corner(tile: vec2<i32>) -> vec2<f32> {
+    return vec2<f32>(tile - frame.eye_tile) * frame.tile_m - frame.eye_in_tile;
+}
+
+// A unit vector in 32 bits: octahedral map (Cigolla et al. 2014, JCGT 3(2)), 16 bits a coordinate.
+fn pack_normal(normal: vec3<f32>) -> u32 {
+    let p = normal.xy / (abs(normal.x) + abs(normal.y) + abs(normal.z));
+    let folded = (1.0 - abs(p.yx)) * select(vec2<f32>(-1.0), vec2<f32>(1.0), p >= vec2<f32>(0.0));
+    return pack2x16snorm(select(p, folded, normal.z < 0.0));
+}
+
+fn unpack_normal(word: u32) -> vec3<f32> {
+    let p = unpack2x16snorm(word);
+    let z = 1.0 - abs(p.x) - abs(p.y);
+    let folded = (1.0 - abs(p.yx)) * select(vec2<f32>(-1.0), vec2<f32>(1.0), p >= vec2<f32>(0.0));
+    return normalize(vec3<f32>(select(p, folded, z < 0.0), z));
+}

@@ -1,0 +1,191 @@
+// The one traversal: view rays, shadow rays and picking. Twin: src/relief/march.rs, line for line.
+//
+// A ray walks the quadtree of highest roofs (`pyramid`): a block that it stays above is skipped in one read
+// (maximum mipmaps: Tevs, Ihrke & Seidel 2008); at a texel the exact outline and roofs are met.
+
+struct Ray {
+    // Eye-relative start, unit direction, 1 / direction.xy.
+    start: vec3<f32>,
+    direction: vec3<f32>,
+    inverse: vec2<f32>,
+}
+
+struct Hit {
+    // Metres along the ray, FAR without a hit.
+    t: f32,
+    // Index into `roofs`.
+    building: u32,
+    // Index into `vertices` of the wall's first vertex, ROOF for a roof.
+    edge: u32,
+    // Facade coordinate: metres along the outline, 0 on a roof.
+    along_m: f32,
+}
+
+const ROOF: u32 = 0xffffffffu;
+const MISS: Hit = Hit(FAR, 0u, 0u, 0.0);
+// More steps than any walk needs; a guard against endless loops, not a limit on quality.
+const MOST_STEPS: u32 = 8192u;
+
+fn make_ray(start: vec3<f32>, direction: vec3<f32>) -> Ray {
+    let tiny = vec2<f32>(1.0e-9);
+    let d = select(direction.xy, select(-tiny, tiny, direction.xy >= vec2<f32>(0.0)), abs(direction.xy) < tiny);
+    return Ray(start, vec3<f32>(d, direction.z), 1.0 / d);
+}
+
+fn cross2(a: vec2<f32>, b: vec2<f32>) -> f32 { return a.x * b.y - a.y * b.x; }
+
+// Rounding of a hit's place along the ray, metres.
+fn slack(t: f32) -> f32 { return 1.0e-3 + 2.0e-6 * t; }
+
+// First hit of the ray with the roofs and walls of one texel, between t0 and t1.
+// `start` is the ray's start in the tile's local coordinates.
+fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
+    var best = MISS;
+    let from_t = t0 - slack(t0);
+    let to_t = t1 + slack(t1);
+    let reference = (vec2<f32>(cell) + REFERENCE) * frame.texel_m;
+    let is_list = kind_of(word) == KIND_LIST;
+    let list = slot.piece_base + index_of(word);
+    var count = 1u;
+    if is_list { count = pieces[list]; }
+    var i = 0u;
+    while i < count {
+        var w = word;
+        if is_list { w = pieces[list + 1u + i]; }
+        i += 1u;
+        let is_run = kind_of(w) == KIND_RUN;
+        let first = slot.vertex_base + index_of(w);
+        var building = slot.roof_base;
+        if is_run { building += vertices[first].building; } else { building += index_of(w); }
+        let roof = roofs[building].roof_m - frame.eye_elevation;
+        let t_roof = (roof - ray.start.z) / ray.direction.z;
+        let meets_roof = ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best.t;
+        var inside = true;
+        if is_run {
+            inside = is_inside(w);
+            let p = start + t_roof * ray.direction.xy;
+            let to_p = p - reference;
+            var run = first;
+            loop {
+                var a = vertices[run].position;
+                for (var e = 0u; e < edges_of(w); e += 1u) {
+                    let b = vertices[run + e + 1u].position;
+                    let along = b - a;
+                    // The building is to the left of its outline: the wall faces right.
+                    let facing = cross2(ray.direction.xy, along);
+                    if facing < 0.0 {
+                        let t = cross2(a - start, along) / facing;
+                        if t >= from_t && t <= to_t && t < best.t && ray.start.z + t * ray.direction.z <= roof {
+                            let u = dot(start + t * ray.direction.xy - a, along) / dot(along, along);
+                            if u >= -1.0e-5 && u <= 1.00001 {
+                                best = Hit(t, building, run + e, vertices[run + e].along_m + u * length(along));
+                            }
+                        }
+                    }
+                    if meets_roof {
+                        let apart = (cross2(to_p, a - reference) >= 0.0) != (cross2(to_p, b - reference) >= 0.0);
+                        let between = (cross2(along, reference - a) >= 0.0) != (cross2(along, p - a) >= 0.0);
+                        inside = inside != (apart && between);
+                    }
+                    a = b;
+                }
+                if !has_more(w) || i >= count { break; }
+                w = pieces[list + 1u + i];
+                i += 1u;
+                run = slot.vertex_base + index_of(w);
+            }
+        }
+        if meets_roof && inside && t_roof < best.t { best = Hit(t_roof, building, ROOF, 0.0); }
+    }
+    return best;
+}
+
+// First hit within one tile between t0 and t1.
+fn walk_tile(slot_index: i32, ray: Ray, t0: f32, t1: f32) -> Hit {
+    let slot = slots[slot_index];
+    let start = ray.start.xy - tile_corner(slot.tile);
+    let forward = ray.direction.xy >= vec2<f32>(0.0);
+    let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
+    let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
+    let top = frame.top_level;
+    var level = top;
+    var cell = vec2<i32>(0);
+    var t = t0;
+    for (var i = 0u; i < MOST_STEPS; i += 1u) {
+        let size = frame.texel_m * f32(1u << level);
+        let t_border = ((vec2<f32>(cell) + lead) * size - start) * ray.inverse;
+        let t_out = min(min(t_border.x, t_border.y), t1);
+        let lowest = ray.start.z + min(t * ray.direction.z, t_out * ray.direction.z);
+        if level > 0u {
+            let highest = textureLoad(pyramid, cell, slot_index, i32(level) - 1).x - frame.eye_elevation;
+            if lowest <= highest + slack(t) {
+                // Down into the child that the ray is in.
+                level -= 1u;
+                let t_middle = ((vec2<f32>(cell) + 0.5) * size - start) * ray.inverse;
+                let beyond = vec2<f32>(t) >= t_middle;
+                cell = 2 * cell + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
+                continue;
+            }
+        } else {
+            let word = textureLoad(cells, cell, slot_index, 0).x;
+            if word != 0u {
+                let hit = visit_cell(word, cell, slot, ray, start, t, t_out);
+                if hit.t < FAR { return hit; }
+            }
+        }
+        t = max(t, t_out);
+        if t >= t1 { break; }
+        // Over the nearer border, and up when that is the parent's border too.
+        var moved: i32;
+        if t_border.x <= t_border.y {
+            cell.x += step.x;
+            moved = select(cell.x + 1, cell.x, forward.x);
+        } else {
+            cell.y += step.y;
+            moved = select(cell.y + 1, cell.y, forward.y);
+        }
+        if moved <= 0 || moved >= (1 << (top - level)) { break; }
+        if level < top && (moved & 1) == 0 {
+            level += 1u;
+            cell >>= vec2<u32>(1u);
+        }
+    }
+    return MISS;
+}
+
+// First hit with any building of the city between t0 and t1, tile after tile.
+fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
+    let forward = ray.direction.xy >= vec2<f32>(0.0);
+    let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
+    let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
+    var end = t1;
+    if ray.direction.z > 0.0 {
+        end = min(end, (frame.highest_roof - ray.start.z) / ray.direction.z);
+    }
+    var t = t0;
+    let place = frame.eye_in_tile + ray.start.xy + t * ray.direction.xy;
+    var tile = frame.eye_tile + vec2<i32>(floor(place / frame.tile_m));
+    for (var i = 0u; i < MOST_STEPS && t < end; i += 1u) {
+        let t_border = (tile_corner(tile) + lead * frame.tile_m - ray.start.xy) * ray.inverse;
+        let t_out = min(min(t_border.x, t_border.y), end);
+        if all((tile >= vec2<i32>(0))) && all((tile < frame.grid)) {
+            let slot = textureLoad(tile_table, tile, 0).x;
+            if slot >= 0 {
+                let hit = walk_tile(slot, ray, t, t_out);
+                if hit.t <= end { return hit; }
+            }
+        }
+        t = max(t, t_out);
+        if t_border.x <= t_border.y { tile.x += step.x; } else { tile.y += step.y; }
+        let gone = select((tile < vec2<i32>(0)), (tile >= frame.grid), forward);
+        if any(gone) { break; }
+    }
+    return MISS;
+}
+
+// Outward unit normal of what was hit.
+fn hit_normal(hit: Hit) -> vec3<f32> {
+    if hit.edge == ROOF { return vec3<f32>(0.0, 0.0, 1.0); }
+    let along = vertices[hit.edge + 1u].position - vertices[hit.edge].position;
+    return normalize(vec3<f32>(along.y, -along.x, 0.0));
+}

@@ -1,0 +1,44 @@
+// A clear sky and the haze before distant things. Plausible, not physical: a gradient from zenith to horizon that
+// reddens with a low sun, and a glow round the sun; an atmosphere model can take its place.
+
+const HAZE_RANGE_M: f32 = 22000.0;
+
+fn day(sun_up: f32) -> f32 { return smoothstep(-0.12, 0.25, sun_up); }
+
+// Irradiance of the sun on a surface facing it, relative to a high sun's white = 3.
+fn sun_colour() -> vec3<f32> {
+    let up = frame.sun.z;
+    let warm = mix(vec3<f32>(3.2, 1.35, 0.45), vec3<f32>(3.05, 2.85, 2.5), smoothstep(0.0, 0.45, up));
+    return warm * smoothstep(-0.02, 0.08, up);
+}
+
+fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
+    let up = max(direction.z, 0.0);
+    let light = day(frame.sun.z);
+    let low_sun = 1.0 - smoothstep(0.02, 0.4, frame.sun.z);
+    let horizon = mix(vec3<f32>(0.74, 0.84, 0.95), vec3<f32>(1.05, 0.72, 0.48), 0.75 * low_sun);
+    let zenith = mix(vec3<f32>(0.16, 0.34, 0.72), vec3<f32>(0.17, 0.24, 0.48), low_sun);
+    let towards_sun = max(dot(direction, frame.sun.xyz), 0.0);
+    let glow = sun_colour() * (0.12 * pow(towards_sun, 6.0) + 0.25 * pow(towards_sun, 48.0));
+    let night = vec3<f32>(0.006, 0.008, 0.014);
+    return night + light * (mix(horizon, zenith, pow(up, 0.42)) + glow);
+}
+
+// The sun's disc, seen directly: half an angle of 0.265 degrees.
+fn sun_disc(direction: vec3<f32>) -> vec3<f32> {
+    let edge = smoothstep(0.999985, 0.999991, dot(direction, frame.sun.xyz));
+    return sun_colour() * 60.0 * edge * step(0.0, direction.z);
+}
+
+// Mean light of the sky's half above a surface.
+fn ambient_light(normal: vec3<f32>) -> vec3<f32> {
+    let light = 0.03 + day(frame.sun.z);
+    let sky = vec3<f32>(0.50, 0.62, 0.82);
+    let ground = vec3<f32>(0.30, 0.27, 0.22);
+    return light * mix(ground, sky, 0.5 + 0.5 * normal.z) * 0.95;
+}
+
+fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
+    let flat = normalize(vec3<f32>(direction.xy, max(direction.z, 0.03)));
+    return mix(sky_colour(flat), colour, exp(-t / HAZE_RANGE_M));
+}

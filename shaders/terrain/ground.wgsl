@@ -1,0 +1,81 @@
+// The ground: lattice samples displaced by the DTM ("global vertex displacement", KR 10-0738500).
+// The vertex index is the sample's index; grid and irregular network differ in their index buffers alone.
+
+struct GroundTile {
+    tile: vec2<i32>,
+    layer: u32,
+    padding: u32,
+}
+
+@group(1) @binding(0) var<storage, read> ground_tiles: array<GroundTile>;
+@group(1) @binding(1) var heights: texture_2d_array<f32>;
+
+struct GroundVertex {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) at: vec3<f32>,
+    // In samples from the tile's south-west corner.
+    @location(1) place: vec2<f32>,
+    @location(2) @interpolate(flat) layer: u32,
+}
+
+@vertex
+fn vs(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> GroundVertex {
+    let tile = ground_tiles[instance];
+    let sample = vec2<i32>(i32(index % frame.terrain_side), i32(index / frame.terrain_side));
+    let height = textureLoad(heights, sample, tile.layer, 0).x;
+    let plan = tile_corner(tile.tile) + vec2<f32>(sample) * frame.terrain_step_m;
+    let at = vec3<f32>(plan, height - frame.eye_elevation);
+    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, vec2<f32>(sample), tile.layer);
+}
+
+struct GroundSurface {
+    // Metres along the view ray.
+    @location(0) distance: f32,
+    @location(1) normal: u32,
+}
+
+// The DTM's bilinear surface near a place: height above the eye and slope.
+struct Surface {
+    height: f32,
+    slope: vec2<f32>,
+}
+
+fn surface_at(place: vec2<f32>, layer: u32) -> Surface {
+    let cell = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>(i32(frame.terrain_side) - 2));
+    let f = clamp(place - vec2<f32>(cell), vec2<f32>(-0.5), vec2<f32>(1.5));
+    let h00 = textureLoad(heights, cell, layer, 0).x;
+    let h10 = textureLoad(heights, cell + vec2<i32>(1, 0), layer, 0).x;
+    let h01 = textureLoad(heights, cell + vec2<i32>(0, 1), layer, 0).x;
+    let h11 = textureLoad(heights, cell + vec2<i32>(1, 1), layer, 0).x;
+    let south = mix(h00, h10, f.x);
+    let north = mix(h01, h11, f.x);
+    let slope = vec2<f32>(mix(h10 - h00, h11 - h01, f.y), north - south) / frame.terrain_step_m;
+    return Surface(mix(south, north, f.y) - frame.eye_elevation, slope);
+}
+
+// Newton steps from the triangle to the DTM itself.
+const MOST_STEPS: i32 = 3;
+// Good enough, metres.
+const NEAR_ENOUGH_M: f32 = 0.01;
+// Longest step, metres of height error per metre along the ray: beyond it the ray grazes and the triangle stays.
+const LEAST_CLOSING: f32 = 0.004;
+
+@fragment
+fn fs(in: GroundVertex) -> GroundSurface {
+    // The triangle stands for the DTM within the mesh's error; from there the ray is carried on to the DTM's own
+    // bilinear surface, so that the mesh may stay coarse ("per-pixel displacement" of the ground).
+    let direction = in.at / length(in.at);
+    var t = length(in.at);
+    var surface = surface_at(in.place, in.layer);
+    var at = in.at;
+    for (var i = 0; i < MOST_STEPS; i += 1) {
+        let above = at.z - surface.height;
+        let closing = dot(surface.slope, direction.xy) - direction.z;
+        if abs(above) < NEAR_ENOUGH_M || closing < LEAST_CLOSING { break; }
+        let step = clamp(above / closing, -0.5 * t, 0.5 * t + 20.0);
+        t += step;
+        at = direction * t;
+        surface = surface_at(in.place + (at.xy - in.at.xy) / frame.terrain_step_m, in.layer);
+    }
+    return GroundSurface(t, pack_normal(normalize(vec3<f32>(-surface.slope, 1.0))));
+}

@@ -1,0 +1,144 @@
+//! Opens a Vulkan, Metal or DirectX 12 device; a software one (lavapipe) is a device like any other.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use thiserror::Error;
+
+/// Why there is no picture.
+#[derive(Debug, Error)]
+pub enum GpuError {
+    /// No adapter at all.
+    #[error(
+        "no graphics device found ({why}); install a Vulkan driver, or the software one: apt-get install mesa-vulkan-drivers"
+    )]
+    NoAdapter {
+        /// What wgpu said.
+        why: String,
+    },
+    /// The adapter lacks what is needed.
+    #[error(
+        "{adapter} cannot be used ({why}); update its driver or use the software device (VK_ICD_FILENAMES=lvp_icd.x86_64.json)"
+    )]
+    NoDevice {
+        /// The adapter's name.
+        adapter: String,
+        /// What wgpu said.
+        why: String,
+    },
+    /// The city does not fit the device.
+    #[error(
+        "{what} needs {needed}, {adapter} allows {allowed}; import the city with larger texels (--texel 2) or a smaller --margin"
+    )]
+    TooLarge {
+        /// What does not fit.
+        what: &'static str,
+        /// How much it needs.
+        needed: u64,
+        /// How much is allowed.
+        allowed: u64,
+        /// The adapter's name.
+        adapter: String,
+    },
+    /// The device was lost or refused a command.
+    #[error("{adapter} failed: {why}")]
+    Failed {
+        /// The adapter's name.
+        adapter: String,
+        /// What wgpu said.
+        why: String,
+    },
+}
+
+/// A device with its queue.
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name of the adapter, for messages.
+    pub adapter_name: String,
+    /// True when passes can be timed.
+    pub has_timestamps: bool,
+    /// What the device complained of since it was last asked.
+    complaint: Arc<Mutex<Option<String>>>,
+}
+
+impl Gpu {
+    /// Opens the most powerful device without a window.
+    pub fn open() -> Result<Self, GpuError> {
+        let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
+        // The GL back end of software Mesa draws hierarchical walks wrongly: Vulkan and its peers only.
+        description.backends =
+            wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+        let instance = wgpu::Instance::new(description);
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        }))
+        .map_err(|error| GpuError::NoAdapter {
+            why: error.to_string(),
+        })?;
+        let adapter_name = adapter.get_info().name;
+        let wanted = wgpu::Features::TIMESTAMP_QUERY;
+        let features = adapter.features() & wanted;
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("rilievo"),
+            required_features: features,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }))
+        .map_err(|error| GpuError::NoDevice {
+            adapter: adapter_name.clone(),
+            why: error.to_string(),
+        })?;
+        let complaint: Arc<Mutex<Option<String>>> = Arc::default();
+        let first = Arc::clone(&complaint);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+            first.get_or_insert_with(|| error.to_string());
+        }));
+        Ok(Self {
+            complaint,
+            device,
+            queue,
+            adapter_name,
+            has_timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+        })
+    }
+
+    /// Waits until the device has done all that was submitted; fails when it refused something since.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| self.failed(error))?;
+        let mut complaint = self
+            .complaint
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        match complaint.take() {
+            Some(why) => Err(self.failed(why)),
+            None => Ok(()),
+        }
+    }
+
+    /// An error that names the device.
+    pub fn failed(&self, why: impl ToString) -> GpuError {
+        GpuError::Failed {
+            adapter: self.adapter_name.clone(),
+            why: why.to_string(),
+        }
+    }
+
+    /// Refuses what the device's limits forbid.
+    pub fn require(&self, what: &'static str, needed: u64, allowed: u64) -> Result<(), GpuError> {
+        if needed <= allowed {
+            return Ok(());
+        }
+        Err(GpuError::TooLarge {
+            what,
+            needed,
+            allowed,
+            adapter: self.adapter_name.clone(),
+        })
+    }
+}

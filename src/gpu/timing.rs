@@ -1,0 +1,78 @@
+//! GPU time per pass, by timestamp queries.
+
+use super::{Gpu, GpuError};
+
+/// Times up to `capacity` passes of one submission.
+pub struct PassTimer {
+    queries: Option<(wgpu::QuerySet, wgpu::Buffer, wgpu::Buffer)>,
+    capacity: u32,
+    period_ns: f32,
+}
+
+impl PassTimer {
+    /// A timer; on a device without timestamps it measures nothing.
+    pub fn new(gpu: &Gpu, capacity: u32) -> Self {
+        let queries = gpu.has_timestamps.then(|| {
+            let set = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("pass times"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * capacity,
+            });
+            let buffer = |usage| {
+                gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("pass times"),
+                    size: u64::from(16 * capacity),
+                    usage,
+                    mapped_at_creation: false,
+                })
+            };
+            let resolve = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
+            let read = buffer(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
+            (set, resolve, read)
+        });
+        Self {
+            queries,
+            capacity,
+            period_ns: gpu.queue.get_timestamp_period(),
+        }
+    }
+
+    /// The timestamps of pass number `pass`.
+    pub fn of_pass(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let (set, _, _) = self.queries.as_ref()?;
+        Some(wgpu::RenderPassTimestampWrites {
+            query_set: set,
+            beginning_of_pass_write_index: Some(2 * pass),
+            end_of_pass_write_index: Some(2 * pass + 1),
+        })
+    }
+
+    /// Call after the last pass, before submitting.
+    pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some((set, resolve, read)) = &self.queries {
+            encoder.resolve_query_set(set, 0..2 * self.capacity, resolve, 0);
+            encoder.copy_buffer_to_buffer(resolve, 0, read, 0, u64::from(16 * self.capacity));
+        }
+    }
+
+    /// Milliseconds per pass; none without timestamps. Waits for the device.
+    pub fn milliseconds(&self, gpu: &Gpu) -> Result<Option<Vec<f64>>, GpuError> {
+        let Some((_, _, read)) = &self.queries else {
+            return Ok(None);
+        };
+        read.map_async(wgpu::MapMode::Read, .., |_| {});
+        gpu.wait()?;
+        let times = {
+            let bytes = read
+                .get_mapped_range(..)
+                .map_err(|error| gpu.failed(error))?;
+            bytemuck::pod_collect_to_vec::<u8, u64>(&bytes)
+        };
+        read.unmap();
+        let (pairs, _) = times.as_chunks::<2>();
+        let spans = pairs.iter().map(|[begin, end]| {
+            end.saturating_sub(*begin) as f64 * f64::from(self.period_ns) * 1e-6
+        });
+        Ok(Some(spans.collect()))
+    }
+}

@@ -1,0 +1,109 @@
+//! Buffers and texture arrays filled from memory.
+
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use super::{Gpu, GpuError};
+
+/// A read-only storage buffer; never empty, because a binding may not be.
+pub fn storage_buffer<T: bytemuck::NoUninit>(
+    gpu: &Gpu,
+    label: &'static str,
+    records: &[T],
+) -> Result<wgpu::Buffer, GpuError> {
+    let bytes: &[u8] = bytemuck::cast_slice(records);
+    let allowed = gpu.device.limits().max_storage_buffer_binding_size;
+    gpu.require(label, bytes.len() as u64, allowed)?;
+    let contents = if bytes.is_empty() { &[0; 64] } else { bytes };
+    Ok(gpu.device.create_buffer_init(&BufferInitDescriptor {
+        label: Some(label),
+        contents,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+    }))
+}
+
+/// A uniform buffer.
+pub fn uniform_buffer<T: bytemuck::NoUninit>(gpu: &Gpu, label: &str, value: &T) -> wgpu::Buffer {
+    gpu.device.create_buffer_init(&BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::bytes_of(value),
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
+/// A 2D array texture, one layer a tile.
+pub struct TextureArray {
+    texture: wgpu::Texture,
+    /// View of all layers and levels.
+    pub view: wgpu::TextureView,
+}
+
+impl TextureArray {
+    /// `layers` square layers of `side` texels with `levels` mip levels.
+    pub fn new(
+        gpu: &Gpu,
+        label: &'static str,
+        format: wgpu::TextureFormat,
+        side: u32,
+        levels: u32,
+        layers: u32,
+    ) -> Result<Self, GpuError> {
+        let limits = gpu.device.limits();
+        gpu.require(
+            label,
+            u64::from(side),
+            u64::from(limits.max_texture_dimension_2d),
+        )?;
+        gpu.require(
+            label,
+            u64::from(layers),
+            u64::from(limits.max_texture_array_layers),
+        )?;
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: side,
+                height: side,
+                depth_or_array_layers: layers.max(1),
+            },
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        Ok(Self { texture, view })
+    }
+
+    /// Writes one mip level of one layer.
+    pub fn write<T: bytemuck::NoUninit>(&self, gpu: &Gpu, layer: u32, level: u32, texels: &[T]) {
+        let side = (self.texture.width() >> level).max(1);
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &self.texture,
+                mip_level: level,
+                origin: wgpu::Origin3d {
+                    x: 0,
+                    y: 0,
+                    z: layer,
+                },
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytemuck::cast_slice(texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(size_of_val(texels) as u32 / side),
+                rows_per_image: Some(side),
+            },
+            wgpu::Extent3d {
+                width: side,
+                height: side,
+                depth_or_array_layers: 1,
+            },
+        );
+    }
+}

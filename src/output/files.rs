@@ -1,0 +1,62 @@
+//! PNG pictures, and depth and ids as single-band TIFFs.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+use tiff::encoder::{TiffEncoder, colortype};
+
+/// A picture file could not be written.
+#[derive(Debug, Error)]
+#[error("{}: cannot be written ({why})", path.display())]
+pub struct OutputError {
+    /// The file.
+    pub path: PathBuf,
+    /// What the system said.
+    pub why: String,
+}
+
+fn output_error(path: &Path) -> impl Fn(String) -> OutputError + use<'_> {
+    |why| OutputError {
+        path: path.to_owned(),
+        why,
+    }
+}
+
+/// Writes 8-bit RGBA rows, from the top, as an RGB PNG.
+pub fn write_png(path: &Path, size: [u32; 2], rgba: &[u8]) -> Result<(), OutputError> {
+    let rgb: Vec<u8> = rgba
+        .chunks_exact(4)
+        .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
+        .collect();
+    image::save_buffer(path, &rgb, size[0], size[1], image::ExtendedColorType::Rgb8)
+        .map_err(|error| output_error(path)(error.to_string()))
+}
+
+/// Writes metres along the view ray, NaN = sky.
+pub fn write_depth(path: &Path, size: [u32; 2], depth: &[f32]) -> Result<(), OutputError> {
+    write_tiff::<colortype::Gray32Float>(path, size, depth)
+}
+
+/// Writes building ids, 0 = ground or sky.
+pub fn write_ids(path: &Path, size: [u32; 2], ids: &[u32]) -> Result<(), OutputError> {
+    write_tiff::<colortype::Gray32>(path, size, ids)
+}
+
+fn write_tiff<C: colortype::ColorType>(
+    path: &Path,
+    size: [u32; 2],
+    values: &[C::Inner],
+) -> Result<(), OutputError>
+where
+    [C::Inner]: tiff::encoder::TiffValue,
+{
+    let error = output_error(path);
+    let file = File::create(path).map_err(|why| error(why.to_string()))?;
+    let mut writer = BufWriter::new(file);
+    TiffEncoder::new(&mut writer)
+        .and_then(|mut encoder| encoder.write_image::<C>(size[0], size[1], values))
+        .map_err(|why| error(why.to_string()))?;
+    writer.flush().map_err(|why| error(why.to_string()))
+}

@@ -1,0 +1,105 @@
+//! Draws the buildings out of the building map: overflow faces of every visible tile, the nearest tile first, an exact
+//! walk per pixel (`shaders/relief/exact.wgsl` tells how).
+
+use super::MapBindings;
+use super::bindings::{FLOAT, group_of, layout_of, texture};
+use super::pass::ReliefTargets;
+use super::shaders::EXACT;
+use crate::gpu::{Gpu, shader_module};
+use crate::scene::{Frustum, Resident, nearest_first};
+use crate::space::View;
+
+/// The pipeline.
+pub struct ExactPass {
+    pipeline: wgpu::RenderPipeline,
+    input_layout: wgpu::BindGroupLayout,
+}
+
+/// Vertices of a tile's volume: six faces of two triangles.
+const VOLUME_VERTICES: u32 = 36;
+
+impl ExactPass {
+    /// For a building map's bindings.
+    pub fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout, map: &MapBindings) -> Self {
+        let module = shader_module(gpu, &EXACT);
+        let input_layout = layout_of(gpu, "relief input", &[texture(FLOAT, false)]);
+        let layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("exact"),
+                bind_group_layouts: &[Some(frame_layout), Some(&map.layout), Some(&input_layout)],
+                immediate_size: 0,
+            });
+        let pipeline = gpu
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("exact"),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("vs_overflow"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState {
+                    // Faces that look away from the viewer: they cover the volume also from inside it.
+                    cull_mode: Some(wgpu::Face::Front),
+                    ..Default::default()
+                },
+                depth_stencil: Some(super::pass::reversed_depth()),
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("fs"),
+                    compilation_options: Default::default(),
+                    targets: &super::pass::relief_target_states(),
+                }),
+                multiview_mask: None,
+                cache: None,
+            });
+        Self {
+            pipeline,
+            input_layout,
+        }
+    }
+
+    /// Encodes the pass.
+    #[allow(clippy::too_many_arguments)]
+    pub fn encode(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        resident: &Resident,
+        view: &View,
+        frustum: &Frustum,
+        frame: &wgpu::BindGroup,
+        map: &MapBindings,
+        targets: &ReliefTargets,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let input = group_of(
+            gpu,
+            "relief input",
+            &self.input_layout,
+            vec![wgpu::BindingResource::TextureView(
+                &targets.ground_distance.view,
+            )],
+        );
+        let mut pass = targets.begin_relief_pass(encoder, timestamps);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_bind_group(1, &map.group, &[]);
+        pass.set_bind_group(2, &input, &[]);
+        for index in nearest_first(
+            &resident.grid,
+            &resident.building_tiles,
+            view.eye.truncate(),
+        ) {
+            let slot = &resident.slots[index];
+            let bounds = resident.grid.tile_bounds(resident.building_tiles[index]);
+            if frustum.sees(&bounds, f64::from(slot.low), f64::from(slot.high)) {
+                pass.draw(0..VOLUME_VERTICES, index as u32..index as u32 + 1);
+            }
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! The one traversal on the CPU, line for line `shaders/lib/march.wgsl`: shadow rays, picking, and the test that
+//! compares the two. f32 like the shader.
+
+use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
+
+use crate::buildings::{BuildingMap, CellKind, Pyramid};
+use crate::space::TileGrid;
+
+/// A ray from an eye-relative start.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Start, metres from the eye.
+    pub start: Vec3,
+    /// Unit direction.
+    pub direction: Vec3,
+    inverse: Vec2,
+}
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Metres along the ray.
+    pub t: f32,
+    /// Index of the building in its tile.
+    pub building: u32,
+    /// First vertex of the wall, none for a roof.
+    pub edge: Option<u32>,
+    /// Facade coordinate: metres along the outline, 0 on a roof.
+    pub along_m: f32,
+    /// Id of the building.
+    pub fid: u32,
+}
+
+/// A tile's map with its pyramid.
+#[derive(Clone, Debug)]
+pub struct MapTile {
+    /// The map.
+    pub map: BuildingMap,
+    /// Its maxima.
+    pub pyramid: Pyramid,
+}
+
+impl Ray {
+    /// A ray; directions along an axis are nudged off it by a nanometre a metre.
+    pub fn new(start: Vec3, direction: Vec3) -> Self {
+        let nudge = |d: f32| {
+            if d.abs() < 1e-9 {
+                if d >= 0.0 { 1e-9 } else { -1e-9 }
+            } else {
+                d
+            }
+        };
+        let direction = Vec3::new(nudge(direction.x), nudge(direction.y), direction.z);
+        Self {
+            start,
+            direction,
+            inverse: direction.xy().recip(),
+        }
+    }
+}
+
+fn slack(t: f32) -> f32 {
+    1e-3 + 2e-6 * t
+}
+
+/// First hit with the roofs and walls of one texel, between `t0` and `t1`. `start` is the ray's start in the
+/// tile's local coordinates, `eye_elevation` the height that `ray.start.z` counts from.
+pub fn visit_cell(
+    map: &BuildingMap,
+    word: u32,
+    cell: IVec2,
+    ray: &Ray,
+    start: Vec2,
+    eye_elevation: f32,
+    [t0, t1]: [f32; 2],
+) -> Option<Hit> {
+    let mut best: Option<Hit> = None;
+    let best_t = |best: &Option<Hit>| best.map_or(f32::INFINITY, |hit| hit.t);
+    let from_t = t0 - slack(t0);
+    let to_t = t1 + slack(t1);
+    let reference = (cell.as_vec2() + Vec2::from_array(BuildingMap::REFERENCE)) * map.texel_m;
+    let single = [word];
+    let words = match CellKind::of(word) {
+        CellKind::List(_) => map.words(word),
+        _ => &single[..],
+    };
+    let mut words = words.iter();
+    while let Some(&word) = words.next() {
+        let Some(building) = map.building_of(word) else {
+            continue;
+        };
+        let record = &map.roofs[building as usize];
+        let roof = record.roof_m - eye_elevation;
+        let t_roof = (roof - ray.start.z) / ray.direction.z;
+        let meets_roof =
+            ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best_t(&best);
+        let mut inside = true;
+        if let CellKind::Run(mut run) = CellKind::of(word) {
+            inside = run.inside;
+            let p = start + t_roof * ray.direction.xy();
+            let to_p = p - reference;
+            loop {
+                let vertex = |index: u32| {
+                    let vertex = &map.vertices[index as usize];
+                    Vec2::new(vertex.x_m, vertex.y_m)
+                };
+                let mut a = vertex(run.first);
+                for edge in run.first..run.first + run.edges {
+                    let b = vertex(edge + 1);
+                    let along = b - a;
+                    // The building is to the left of its outline: the wall faces right.
+                    let facing = ray.direction.xy().perp_dot(along);
+                    if facing < 0.0 {
+                        let t = (a - start).perp_dot(along) / facing;
+                        let low_enough = ray.start.z + t * ray.direction.z <= roof;
+                        if t >= from_t && t <= to_t && t < best_t(&best) && low_enough {
+                            let u =
+                                (start + t * ray.direction.xy() - a).dot(along) / along.dot(along);
+                            if (-1e-5..=1.00001).contains(&u) {
+                                best = Some(Hit {
+                                    t,
+                                    building,
+                                    edge: Some(edge),
+                                    along_m: map.vertices[edge as usize].along_m
+                                        + u * along.length(),
+                                    fid: record.fid,
+                                });
+                            }
+                        }
+                    }
+                    if meets_roof {
+                        let apart = (to_p.perp_dot(a - reference) >= 0.0)
+                            != (to_p.perp_dot(b - reference) >= 0.0);
+                        let between = (along.perp_dot(reference - a) >= 0.0)
+                            != (along.perp_dot(p - a) >= 0.0);
+                        inside = inside != (apart && between);
+                    }
+                    a = b;
+                }
+                let next = words.as_slice().first().map(|&word| CellKind::of(word));
+                match next {
+                    Some(CellKind::Run(more)) if run.more => {
+                        words.next();
+                        run = more;
+                    }
+                    _ => break,
+                }
+            }
+        }
+        if meets_roof && inside && t_roof < best_t(&best) {
+            best = Some(Hit {
+                t: t_roof,
+                building,
+                edge: None,
+                along_m: 0.0,
+                fid: record.fid,
+            });
+        }
+    }
+    best
+}
+
+fn lead(forward: [bool; 2]) -> Vec2 {
+    Vec2::new(
+        f32::from(u8::from(forward[0])),
+        f32::from(u8::from(forward[1])),
+    )
+}
+
+fn step(forward: [bool; 2]) -> IVec2 {
+    IVec2::new(
+        if forward[0] { 1 } else { -1 },
+        if forward[1] { 1 } else { -1 },
+    )
+}
+
+/// First hit within one tile between `t0` and `t1`; `corner` is the tile's south-west corner, eye-relative. Also
+/// counts the map's reads into `reads`.
+pub fn walk_tile(
+    tile: &MapTile,
+    ray: &Ray,
+    corner: Vec2,
+    eye_elevation: f32,
+    [t0, t1]: [f32; 2],
+    reads: &mut u32,
+) -> Option<Hit> {
+    let map = &tile.map;
+    let start = ray.start.xy() - corner;
+    let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
+    let (step, lead) = (step(forward), lead(forward));
+    let top = map.side.ilog2();
+    let mut level = top;
+    let mut cell = IVec2::ZERO;
+    let mut t = t0;
+    for _ in 0..8192 {
+        let size = map.texel_m * (1_u32 << level) as f32;
+        let t_border = ((cell.as_vec2() + lead) * size - start) * ray.inverse;
+        let t_out = t_border.x.min(t_border.y).min(t1);
+        let lowest = ray.start.z + (t * ray.direction.z).min(t_out * ray.direction.z);
+        *reads += 1;
+        if level > 0 {
+            let highest = tile.pyramid.highest(level, cell.x, cell.y, map.side) - eye_elevation;
+            if lowest <= highest + slack(t) {
+                // Down into the child that the ray is in.
+                level -= 1;
+                let t_middle = ((cell.as_vec2() + 0.5) * size - start) * ray.inverse;
+                let child = |axis: usize| i32::from((t >= t_middle[axis]) == forward[axis]);
+                cell = 2 * cell + IVec2::new(child(0), child(1));
+                continue;
+            }
+        } else {
+            let word = map.cells[cell.y as usize * map.side + cell.x as usize];
+            if word != 0 {
+                let hit = visit_cell(map, word, cell, ray, start, eye_elevation, [t, t_out]);
+                if hit.is_some() {
+                    return hit;
+                }
+            }
+        }
+        t = t.max(t_out);
+        if t >= t1 {
+            break;
+        }
+        // Over the nearer border, and up when that is the parent's border too.
+        let axis = usize::from(t_border.x > t_border.y);
+        cell[axis] += step[axis];
+        let moved = if forward[axis] {
+            cell[axis]
+        } else {
+            cell[axis] + 1
+        };
+        if moved <= 0 || moved >= 1 << (top - level) {
+            break;
+        }
+        if level < top && moved & 1 == 0 {
+            level += 1;
+            cell >>= 1;
+        }
+    }
+    None
+}
+
+/// First hit with any building of the city between `t0` and `t1`. `eye` is the eye's place in the grid (tile and
+/// metres within it); `tile_at` gives a tile's map by column and row.
+pub fn walk_city<'a>(
+    grid: &TileGrid,
+    (eye_tile, eye_in_tile, eye_elevation): (IVec2, Vec2, f32),
+    highest_roof: f32,
+    ray: &Ray,
+    [t0, t1]: [f32; 2],
+    tile_at: impl Fn(IVec2) -> Option<&'a MapTile>,
+    reads: &mut u32,
+) -> Option<Hit> {
+    let tile_m = grid.tile_m as f32;
+    let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
+    let (step, lead) = (step(forward), lead(forward));
+    let counts = IVec2::new(grid.columns as i32, grid.rows as i32);
+    let mut end = t1;
+    if ray.direction.z > 0.0 {
+        end = end.min((highest_roof - eye_elevation - ray.start.z) / ray.direction.z);
+    }
+    let mut t = t0;
+    let place = eye_in_tile + ray.start.xy() + t * ray.direction.xy();
+    let mut tile = eye_tile + (place / tile_m).floor().as_ivec2();
+    for _ in 0..8192 {
+        if t >= end {
+            break;
+        }
+        let corner = (tile - eye_tile).as_vec2() * tile_m - eye_in_tile;
+        let t_border = (corner + lead * tile_m - ray.start.xy()) * ray.inverse;
+        let t_out = t_border.x.min(t_border.y).min(end);
+        if tile.cmpge(IVec2::ZERO).all()
+            && tile.cmplt(counts).all()
+            && let Some(map) = tile_at(tile)
+        {
+            *reads += 1;
+            let hit = walk_tile(map, ray, corner, eye_elevation, [t, t_out], reads);
+            if let Some(hit) = hit.filter(|hit| hit.t <= end) {
+                return Some(hit);
+            }
+        }
+        t = t.max(t_out);
+        let axis = usize::from(t_border.x > t_border.y);
+        tile[axis] += step[axis];
+        let gone = |axis: usize| {
+            if forward[axis] {
+                tile[axis] >= counts[axis]
+            } else {
+                tile[axis] < 0
+            }
+        };
+        if gone(0) || gone(1) {
+            break;
+        }
+    }
+    None
+}

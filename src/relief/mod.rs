@@ -1,0 +1,24 @@
+//! The relief pass: resident tiles, pose and sun to linear HDR radiance, depth and ids.
+//!
+//! ```text
+//! ground ─▶ distance, normal ─┬──────────────────────────┐
+//!                             └▶ exact | polygons ─▶ shade ─▶ radiance, distance, id
+//! ```
+
+mod bindings;
+mod exact;
+mod frame;
+mod ground;
+mod march;
+mod mesh;
+mod pass;
+mod polygons;
+mod shade;
+mod shaders;
+
+pub use bindings::MapBindings;
+pub use frame::{FrameUniforms, Light};
+pub use march::{Hit, MapTile, Ray, visit_cell, walk_city, walk_tile};
+pub use mesh::{BuildingMesh, MeshVertex, building_mesh};
+pub use pass::{ReliefMode, ReliefPass, ReliefTargets};
+pub use shaders::ALL as SHADERS;
