@@ -100,7 +100,33 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
     return best;
 }
 
-// First hit within one tile between t0 and t1.
+// First hit with what stands on a block of 2 x 2 texels, between t0 and t1.
+fn visit_block(block: vec2<i32>, slot_index: i32, slot: TileSlot, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
+    let forward = ray.direction.xy >= vec2<f32>(0.0);
+    let size = frame.texel_m;
+    // The texel that the ray is in, by the block's middle lines.
+    let t_middle = ((vec2<f32>(block) * 2.0 + 1.0) * size - start) * ray.inverse;
+    var beyond = vec2<f32>(t0) >= t_middle;
+    var t = t0;
+    // A straight line meets at most three of the four.
+    for (var i = 0; i < 3; i += 1) {
+        let ahead = select(t_middle, vec2<f32>(t1), beyond);
+        let t_out = min(min(ahead.x, ahead.y), t1);
+        let cell = 2 * block + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
+        let word = textureLoad(cells, cell, slot_index, 0).x;
+        if word != 0u {
+            let hit = visit_cell(word, cell, slot, ray, start, t, t_out);
+            if hit.t < FAR { return hit; }
+        }
+        t = t_out;
+        if t >= t1 { break; }
+        beyond = beyond | (vec2<f32>(t) >= t_middle);
+    }
+    return MISS;
+}
+
+// First hit within one tile between t0 and t1. Two loops in one another: lanes that have found a block to look into wait
+// for the others, so that the costly visit is made together (Aila & Laine 2009, "while-while").
 fn walk_tile(slot_index: i32, ray: Ray, t0: f32, t1: f32) -> Hit {
     let slot = slots[slot_index];
     let start = ray.start.xy - tile_corner(slot.tile);
@@ -108,47 +134,51 @@ fn walk_tile(slot_index: i32, ray: Ray, t0: f32, t1: f32) -> Hit {
     let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
     let top = frame.top_level;
-    var level = top;
-    var cell = vec2<i32>(0);
+    // Begin with blocks about as large as the way to go: a short way need not come down from the tile's top.
+    let reach = length(ray.direction.xy) * (t1 - t0) / frame.texel_m;
+    var level = u32(clamp(ceil(log2(max(reach, 1.0))), 1.0, f32(top)));
+    let place = (start + t0 * ray.direction.xy) / (frame.texel_m * f32(1u << level));
+    var cell = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << (top - level)) - 1));
     var t = t0;
-    for (var i = 0u; i < MOST_STEPS; i += 1u) {
-        let size = frame.texel_m * f32(1u << level);
-        let t_border = ((vec2<f32>(cell) + lead) * size - start) * ray.inverse;
-        let t_out = min(min(t_border.x, t_border.y), t1);
-        let lowest = ray.start.z + min(t * ray.direction.z, t_out * ray.direction.z);
-        if level > 0u {
+    var t_out = t0;
+    var visited = false;
+    for (var visits = 0u; visits < MOST_STEPS; visits += 1u) {
+        var found = false;
+        for (var steps = 0u; steps < MOST_STEPS; steps += 1u) {
+            let size = frame.texel_m * f32(1u << level);
+            let t_border = ((vec2<f32>(cell) + lead) * size - start) * ray.inverse;
+            t_out = min(min(t_border.x, t_border.y), t1);
+            let lowest = ray.start.z + min(t * ray.direction.z, t_out * ray.direction.z);
             let highest = textureLoad(pyramid, cell, slot_index, i32(level) - 1).x - frame.eye_elevation;
-            if lowest <= highest + slack(t) {
+            if !visited && lowest <= highest + slack(t) {
+                if level == 1u {
+                    found = true;
+                    break;
+                }
                 // Down into the child that the ray is in.
                 level -= 1u;
                 let t_middle = ((vec2<f32>(cell) + 0.5) * size - start) * ray.inverse;
                 let beyond = vec2<f32>(t) >= t_middle;
                 cell = 2 * cell + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
-                continue;
+            } else {
+                // Over the nearer border, and up when that is the parent's border too.
+                visited = false;
+                t = max(t, t_out);
+                let along_x = t_border.x <= t_border.y;
+                cell += select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), along_x);
+                let upper = select(cell + 1, cell, forward);
+                let moved = select(upper.y, upper.x, along_x);
+                if t >= t1 || moved <= 0 || moved >= (1 << (top - level)) { break; }
+                if level < top && (moved & 1) == 0 {
+                    level += 1u;
+                    cell >>= vec2<u32>(1u);
+                }
             }
-        } else {
-            let word = textureLoad(cells, cell, slot_index, 0).x;
-            if word != 0u {
-                let hit = visit_cell(word, cell, slot, ray, start, t, t_out);
-                if hit.t < FAR { return hit; }
-            }
         }
-        t = max(t, t_out);
-        if t >= t1 { break; }
-        // Over the nearer border, and up when that is the parent's border too.
-        var moved: i32;
-        if t_border.x <= t_border.y {
-            cell.x += step.x;
-            moved = select(cell.x + 1, cell.x, forward.x);
-        } else {
-            cell.y += step.y;
-            moved = select(cell.y + 1, cell.y, forward.y);
-        }
-        if moved <= 0 || moved >= (1 << (top - level)) { break; }
-        if level < top && (moved & 1) == 0 {
-            level += 1u;
-            cell >>= vec2<u32>(1u);
-        }
+        if !found { break; }
+        let hit = visit_block(cell, slot_index, slot, ray, start, t, t_out);
+        if hit.t < FAR { return hit; }
+        visited = true;
     }
     return MISS;
 }

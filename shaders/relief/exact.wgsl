@@ -16,15 +16,35 @@ struct OverflowVertex {
     @location(0) @interpolate(flat) slot: u32,
 }
 
-// Corner `index` of the two triangles of each of six faces, in 0..1; counter-clockwise seen from outside.
-fn volume_corner(index: u32) -> vec3<f32> {
-    var quads = array<vec4<u32>, 6>(
-        vec4<u32>(0u, 2u, 3u, 1u), vec4<u32>(4u, 5u, 7u, 6u), vec4<u32>(0u, 1u, 5u, 4u),
-        vec4<u32>(1u, 3u, 7u, 5u), vec4<u32>(3u, 2u, 6u, 7u), vec4<u32>(2u, 0u, 4u, 6u),
+// A face is extended in its plane by this share of its side, and a strip of this width lies over the diagonal of its
+// two triangles: where a rasteriser clips them it may leave pixels out along shared edges.
+const EXTENDED: f32 = 0.002;
+const STRIP: f32 = 0.01;
+
+// Corner `index` (0..12) of a face's triangles, counter-clockwise: two for the square, two for the strip.
+fn face_corner(index: u32) -> vec2<f32> {
+    const FROM: f32 = -EXTENDED;
+    const TO: f32 = 1.0 + EXTENDED;
+    var corners = array<vec2<f32>, 8>(
+        vec2<f32>(FROM, FROM), vec2<f32>(TO, FROM), vec2<f32>(TO, TO), vec2<f32>(FROM, TO),
+        vec2<f32>(FROM + STRIP, FROM), vec2<f32>(TO, TO - STRIP), vec2<f32>(TO - STRIP, TO), vec2<f32>(FROM, FROM + STRIP),
     );
-    var order = array<u32, 6>(0u, 1u, 2u, 0u, 2u, 3u);
-    let corner = quads[index / 6u][order[index % 6u]];
-    return vec3<f32>(f32(corner & 1u), f32((corner >> 1u) & 1u), f32(corner >> 2u));
+    var order = array<u32, 12>(0u, 1u, 2u, 0u, 2u, 3u, 4u, 5u, 6u, 4u, 6u, 7u);
+    return corners[order[index]];
+}
+
+// Corner `index` (0..72) of the volume's six faces, in 0..1; counter-clockwise seen from outside.
+fn volume_corner(index: u32) -> vec3<f32> {
+    let face = index / 12u;
+    let corner = face_corner(index % 12u);
+    let side = f32(face & 1u);
+    // The far side of an axis is seen with its two other axes in order, the near side with them swapped.
+    let on_face = select(corner.yx, corner, face % 2u == 1u);
+    switch face / 2u {
+        case 0u: { return vec3<f32>(side, on_face.x, on_face.y); }
+        case 1u: { return vec3<f32>(on_face.y, side, on_face.x); }
+        default: { return vec3<f32>(on_face.x, on_face.y, side); }
+    }
 }
 
 @vertex
@@ -53,7 +73,9 @@ fn fs(in: OverflowVertex) -> ReliefSurface {
     let t_sides = select(corner + frame.tile_m, corner, ray.direction.xy >= vec2<f32>(0.0)) * ray.inverse;
     var t_enter = max(max(t_sides.x, t_sides.y), 0.0);
     if ray.direction.z < 0.0 { t_enter = max(t_enter, (slot.high - frame.eye_elevation) / ray.direction.z); }
-    let hit = walk_city(ray, max(t_enter - slack(t_enter), 0.0), t_ground);
+    // From a little before it: the face reaches a little beyond the volume.
+    let before = 2.0 * EXTENDED * frame.tile_m / max(length(ray.direction.xy), 0.01);
+    let hit = walk_city(ray, max(t_enter - before, 0.0), t_ground);
     // The face itself is never drawn: without a hit the surface stays at FAR, which shows nothing. It is not
     // discarded, so that its depth keeps the tiles behind from walking the same ray again.
     if hit.t >= FAR { return ReliefSurface(FAR, 0u, vec2<u32>(0u)); }

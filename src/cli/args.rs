@@ -25,6 +25,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Draw one view to a PNG.
     Render(super::render::RenderArgs),
+    /// Time the frames of some views.
+    Bench(super::bench::BenchArgs),
 }
 
 /// Flags of `info`.

@@ -1,6 +1,7 @@
 //! The command line: the public interface that scripts rely on.
 
 mod args;
+mod bench;
 mod import;
 mod info;
 mod render;
@@ -64,5 +65,6 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Import(args) => import::run(args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Bench(args) => bench::run(&args),
     }
 }

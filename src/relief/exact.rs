@@ -15,8 +15,8 @@ pub struct ExactPass {
     input_layout: wgpu::BindGroupLayout,
 }
 
-/// Vertices of a tile's volume: six faces of two triangles.
-const VOLUME_VERTICES: u32 = 36;
+/// Vertices of a tile's volume: six faces of four triangles.
+const VOLUME_VERTICES: u32 = 72;
 
 impl ExactPass {
     /// For a building map's bindings.

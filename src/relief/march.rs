@@ -1,4 +1,5 @@
-//! The one traversal on the CPU, line for line `shaders/lib/march.wgsl`: shadow rays, picking, and the test that
+//! The one traversal on the CPU, function for function `shaders/lib/march.wgsl` (whose two nested loops, made for
+//! lanes in step, are one here): shadow rays, picking, and the test that
 //! compares the two. f32 like the shader.
 
 use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
@@ -58,6 +59,9 @@ impl Ray {
         }
     }
 }
+
+/// More steps than any walk needs; a guard against endless loops.
+const MOST_STEPS: u32 = 8192;
 
 fn slack(t: f32) -> f32 {
     1e-3 + 2e-6 * t
@@ -174,6 +178,45 @@ fn step(forward: [bool; 2]) -> IVec2 {
     )
 }
 
+/// First hit with what stands on a block of 2 x 2 texels.
+#[allow(clippy::too_many_arguments)]
+fn visit_block(
+    map: &BuildingMap,
+    block: IVec2,
+    ray: &Ray,
+    start: Vec2,
+    eye_elevation: f32,
+    [t0, t1]: [f32; 2],
+    reads: &mut u32,
+) -> Option<Hit> {
+    let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
+    // The texel that the ray is in, by the block's middle lines.
+    let t_middle = ((block.as_vec2() * 2.0 + 1.0) * map.texel_m - start) * ray.inverse;
+    let mut beyond = [t0 >= t_middle.x, t0 >= t_middle.y];
+    let mut t = t0;
+    // A straight line meets at most three of the four.
+    for _ in 0..3 {
+        let ahead = |axis: usize| if beyond[axis] { t1 } else { t_middle[axis] };
+        let t_out = ahead(0).min(ahead(1)).min(t1);
+        let child = |axis: usize| i32::from(beyond[axis] == forward[axis]);
+        let cell = 2 * block + IVec2::new(child(0), child(1));
+        let word = map.cells[cell.y as usize * map.side + cell.x as usize];
+        *reads += 1;
+        if word != 0 {
+            let hit = visit_cell(map, word, cell, ray, start, eye_elevation, [t, t_out]);
+            if hit.is_some() {
+                return hit;
+            }
+        }
+        t = t_out;
+        if t >= t1 {
+            break;
+        }
+        beyond = [beyond[0] || t >= t_middle.x, beyond[1] || t >= t_middle.y];
+    }
+    None
+}
+
 /// First hit within one tile between `t0` and `t1`; `corner` is the tile's south-west corner, eye-relative. Also
 /// counts the map's reads into `reads`.
 pub fn walk_tile(
@@ -189,39 +232,40 @@ pub fn walk_tile(
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
     let top = map.side.ilog2();
-    let mut level = top;
-    let mut cell = IVec2::ZERO;
+    // Begin with blocks about as large as the way to go: a short way need not come down from the tile's top.
+    let reach = ray.direction.xy().length() * (t1 - t0) / map.texel_m;
+    let mut level = reach.max(1.0).log2().ceil().clamp(1.0, top as f32) as u32;
+    let place = (start + t0 * ray.direction.xy()) / (map.texel_m * (1_u32 << level) as f32);
+    let most = IVec2::splat((1 << (top - level)) - 1);
+    let mut cell = place.floor().as_ivec2().clamp(IVec2::ZERO, most);
     let mut t = t0;
-    for _ in 0..8192 {
+    let mut visited = false;
+    for _ in 0..MOST_STEPS {
         let size = map.texel_m * (1_u32 << level) as f32;
         let t_border = ((cell.as_vec2() + lead) * size - start) * ray.inverse;
         let t_out = t_border.x.min(t_border.y).min(t1);
         let lowest = ray.start.z + (t * ray.direction.z).min(t_out * ray.direction.z);
         *reads += 1;
-        if level > 0 {
-            let highest = tile.pyramid.highest(level, cell.x, cell.y, map.side) - eye_elevation;
-            if lowest <= highest + slack(t) {
-                // Down into the child that the ray is in.
-                level -= 1;
-                let t_middle = ((cell.as_vec2() + 0.5) * size - start) * ray.inverse;
-                let child = |axis: usize| i32::from((t >= t_middle[axis]) == forward[axis]);
-                cell = 2 * cell + IVec2::new(child(0), child(1));
-                continue;
-            }
-        } else {
-            let word = map.cells[cell.y as usize * map.side + cell.x as usize];
-            if word != 0 {
-                let hit = visit_cell(map, word, cell, ray, start, eye_elevation, [t, t_out]);
+        let highest = tile.pyramid.highest(level, cell.x, cell.y, map.side) - eye_elevation;
+        if !visited && lowest <= highest + slack(t) {
+            if level == 1 {
+                let hit = visit_block(map, cell, ray, start, eye_elevation, [t, t_out], reads);
                 if hit.is_some() {
                     return hit;
                 }
+                visited = true;
+                continue;
             }
-        }
-        t = t.max(t_out);
-        if t >= t1 {
-            break;
+            // Down into the child that the ray is in.
+            level -= 1;
+            let t_middle = ((cell.as_vec2() + 0.5) * size - start) * ray.inverse;
+            let child = |axis: usize| i32::from((t >= t_middle[axis]) == forward[axis]);
+            cell = 2 * cell + IVec2::new(child(0), child(1));
+            continue;
         }
         // Over the nearer border, and up when that is the parent's border too.
+        visited = false;
+        t = t.max(t_out);
         let axis = usize::from(t_border.x > t_border.y);
         cell[axis] += step[axis];
         let moved = if forward[axis] {
@@ -229,7 +273,7 @@ pub fn walk_tile(
         } else {
             cell[axis] + 1
         };
-        if moved <= 0 || moved >= 1 << (top - level) {
+        if t >= t1 || moved <= 0 || moved >= 1 << (top - level) {
             break;
         }
         if level < top && moved & 1 == 0 {
@@ -262,7 +306,7 @@ pub fn walk_city<'a>(
     let mut t = t0;
     let place = eye_in_tile + ray.start.xy() + t * ray.direction.xy();
     let mut tile = eye_tile + (place / tile_m).floor().as_ivec2();
-    for _ in 0..8192 {
+    for _ in 0..MOST_STEPS {
         if t >= end {
             break;
         }

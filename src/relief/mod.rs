@@ -6,6 +6,7 @@
 //! ```
 
 mod bindings;
+mod cpu_map;
 mod exact;
 mod frame;
 mod ground;
@@ -17,6 +18,7 @@ mod shade;
 mod shaders;
 
 pub use bindings::MapBindings;
+pub use cpu_map::CpuMap;
 pub use frame::{FrameUniforms, Light};
 pub use march::{Hit, MapTile, Ray, visit_cell, walk_city, walk_tile};
 pub use mesh::{BuildingMesh, MeshVertex, building_mesh};

@@ -98,11 +98,18 @@ pub enum FieldPlace {
 impl FieldPlace {
     /// The attribute's text, none when null or absent.
     pub fn text(self, feature: &Feature<'_>, key: &str) -> Option<String> {
+        let text = |index: usize| column_text(feature, index);
         match self {
-            Self::Column(index) => feature.field_as_string(index).ok().flatten(),
-            Self::OtherTags(index) => tag_of(&feature.field_as_string(index).ok().flatten()?, key),
+            Self::Column(index) => text(index),
+            Self::OtherTags(index) => tag_of(&text(index)?, key),
         }
     }
+}
+
+/// A column's text; none when it is null, unset or empty.
+pub fn column_text(feature: &Feature<'_>, index: usize) -> Option<String> {
+    let text = feature.field_as_string(index).ok().flatten();
+    text.filter(|text| !text.trim().is_empty())
 }
 
 /// The value of `key` in the OSM driver's text `"key"=>"value","key"=>"value"`.

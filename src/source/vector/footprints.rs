@@ -11,7 +11,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::clean::{CleanReport, Outline, clean_outline};
-use super::feature::{FieldPlace, collect_polygons};
+use super::feature::{FieldPlace, collect_polygons, column_text};
 use super::{FootprintReport, MapWriter, cityjson};
 use crate::source::{Footprint, HeightRule, RoofSpec, SourceError};
 use crate::space::{Crs, PointTransform};
@@ -357,7 +357,7 @@ impl FootprintSource {
             left_out: None,
         };
         if let Some(index) = building_field {
-            let tag = feature.field_as_string(index).ok().flatten();
+            let tag = column_text(feature, index);
             if tag.is_none_or(|tag| tag == "no") {
                 raw.left_out = Some("not a building (no building tag)");
                 return raw;
