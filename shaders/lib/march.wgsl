@@ -188,11 +188,16 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
     let forward = ray.direction.xy >= vec2<f32>(0.0);
     let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
-    var end = t1;
-    if ray.direction.z > 0.0 {
-        end = min(end, (frame.highest_roof - ray.start.z) / ray.direction.z);
-    }
-    var t = t0;
+    // Only the way through the city's volume: over its tiles and below its highest roof.
+    let low = tile_corner(vec2<i32>(0)) - ray.start.xy;
+    let high = tile_corner(frame.grid) - ray.start.xy;
+    let t_in = select(high, low, forward) * ray.inverse;
+    let t_past = select(low, high, forward) * ray.inverse;
+    let t_roofs = (frame.highest_roof - ray.start.z) / ray.direction.z;
+    var t = max(t0, max(t_in.x, t_in.y));
+    var end = min(t1, min(t_past.x, t_past.y));
+    if ray.direction.z > 0.0 { end = min(end, t_roofs); }
+    if ray.direction.z < 0.0 { t = max(t, t_roofs); }
     let place = frame.eye_in_tile + ray.start.xy + t * ray.direction.xy;
     var tile = frame.eye_tile + vec2<i32>(floor(place / frame.tile_m));
     for (var i = 0u; i < MOST_STEPS && t < end; i += 1u) {

@@ -60,31 +60,13 @@ impl<'a> CpuMap<'a> {
         let eye_tile = place.floor();
         let eye_in_tile: Vec2 = ((place - eye_tile) * grid.tile_m).as_vec2();
         let ray = Ray::new(glam::Vec3::ZERO, direction.as_vec3());
-        // From outside the grid the walk starts where the ray comes in.
-        let bounds = grid.bounds();
-        let enter = |low: f64, high: f64, from: f64, d: f64| {
-            let (near, far) = if d >= 0.0 { (low, high) } else { (high, low) };
-            let inverse = 1.0
-                / if d.abs() < 1e-9 {
-                    1e-9_f64.copysign(d)
-                } else {
-                    d
-                };
-            ((near - from) * inverse, (far - from) * inverse)
-        };
-        let (x0, x1) = enter(bounds.west, bounds.east, eye.x, direction.x);
-        let (y0, y1) = enter(bounds.south, bounds.north, eye.y, direction.y);
-        let from = x0.max(y0).max(0.0) as f32;
         let mut reads = 0;
-        if x0.max(y0) > x1.min(y1) {
-            return (None, reads);
-        }
         let hit = walk_city(
             grid,
             (eye_tile.as_ivec2(), eye_in_tile, eye.z as f32),
             self.highest_roof,
             &ray,
-            [from, reach],
+            [0.0, reach],
             |tile| self.tile(tile),
             &mut reads,
         );

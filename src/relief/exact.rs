@@ -11,12 +11,15 @@ use crate::space::View;
 
 /// The pipeline.
 pub struct ExactPass {
-    pipeline: wgpu::RenderPipeline,
+    /// Faces of tile volumes.
+    overflow: wgpu::RenderPipeline,
+    /// The face behind all others.
+    last: wgpu::RenderPipeline,
     input_layout: wgpu::BindGroupLayout,
 }
 
-/// Vertices of a tile's volume: six faces of four triangles.
-const VOLUME_VERTICES: u32 = 72;
+/// Vertices of a tile's volume: six faces of two triangles.
+const VOLUME_VERTICES: u32 = 36;
 
 impl ExactPass {
     /// For a building map's bindings.
@@ -30,35 +33,39 @@ impl ExactPass {
                 bind_group_layouts: &[Some(frame_layout), Some(&map.layout), Some(&input_layout)],
                 immediate_size: 0,
             });
-        let pipeline = gpu
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("exact"),
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vs_overflow"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState {
-                    // Faces that look away from the viewer: they cover the volume also from inside it.
-                    cull_mode: Some(wgpu::Face::Front),
-                    ..Default::default()
-                },
-                depth_stencil: Some(super::pass::reversed_depth()),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fs"),
-                    compilation_options: Default::default(),
-                    targets: &super::pass::relief_target_states(),
-                }),
-                multiview_mask: None,
-                cache: None,
-            });
+        let pipeline = |entry_point, cull_mode| {
+            gpu.device
+                .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some("exact"),
+                    layout: Some(&layout),
+                    vertex: wgpu::VertexState {
+                        module: &module,
+                        entry_point: Some(entry_point),
+                        compilation_options: Default::default(),
+                        buffers: &[],
+                    },
+                    primitive: wgpu::PrimitiveState {
+                        cull_mode,
+                        ..Default::default()
+                    },
+                    depth_stencil: Some(super::pass::reversed_depth()),
+                    multisample: wgpu::MultisampleState::default(),
+                    fragment: Some(wgpu::FragmentState {
+                        module: &module,
+                        entry_point: Some("fs"),
+                        compilation_options: Default::default(),
+                        targets: &super::pass::relief_target_states(),
+                    }),
+                    multiview_mask: None,
+                    cache: None,
+                })
+        };
+        // Faces that look away from the viewer: they cover the volume also from inside it.
+        let overflow = pipeline("vs_overflow", Some(wgpu::Face::Front));
+        let last = pipeline("vs_last", None);
         Self {
-            pipeline,
+            overflow,
+            last,
             input_layout,
         }
     }
@@ -86,7 +93,7 @@ impl ExactPass {
             )],
         );
         let mut pass = targets.begin_relief_pass(encoder, timestamps);
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.overflow);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &map.group, &[]);
         pass.set_bind_group(2, &input, &[]);
@@ -101,5 +108,7 @@ impl ExactPass {
                 pass.draw(0..VOLUME_VERTICES, index as u32..index as u32 + 1);
             }
         }
+        pass.set_pipeline(&self.last);
+        pass.draw(0..3, 0..1);
     }
 }

@@ -299,18 +299,28 @@ pub fn walk_city<'a>(
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
     let counts = IVec2::new(grid.columns as i32, grid.rows as i32);
-    let mut end = t1;
+    // Only the way through the city's volume: over its tiles and below its highest roof.
+    let corner_of = |tile: IVec2| (tile - eye_tile).as_vec2() * tile_m - eye_in_tile;
+    let low = (corner_of(IVec2::ZERO) - ray.start.xy()) * ray.inverse;
+    let high = (corner_of(counts) - ray.start.xy()) * ray.inverse;
+    let pick = |forward: bool, near: f32, far: f32| if forward { (near, far) } else { (far, near) };
+    let (in_x, past_x) = pick(forward[0], low.x, high.x);
+    let (in_y, past_y) = pick(forward[1], low.y, high.y);
+    let t_roofs = (highest_roof - eye_elevation - ray.start.z) / ray.direction.z;
+    let mut t = t0.max(in_x).max(in_y);
+    let mut end = t1.min(past_x).min(past_y);
     if ray.direction.z > 0.0 {
-        end = end.min((highest_roof - eye_elevation - ray.start.z) / ray.direction.z);
+        end = end.min(t_roofs);
+    } else if ray.direction.z < 0.0 {
+        t = t.max(t_roofs);
     }
-    let mut t = t0;
     let place = eye_in_tile + ray.start.xy() + t * ray.direction.xy();
     let mut tile = eye_tile + (place / tile_m).floor().as_ivec2();
     for _ in 0..MOST_STEPS {
         if t >= end {
             break;
         }
-        let corner = (tile - eye_tile).as_vec2() * tile_m - eye_in_tile;
+        let corner = corner_of(tile);
         let t_border = (corner + lead * tile_m - ray.start.xy()) * ray.inverse;
         let t_out = t_border.x.min(t_border.y).min(end);
         if tile.cmpge(IVec2::ZERO).all()
