@@ -22,5 +22,7 @@ pub mod scene;
 pub mod source;
 /// Units, coordinate reference systems, bounds, tile ids and the camera pose.
 pub mod space;
+/// The sample city's source files.
+pub mod sample;
 /// Ground heights and the triangles that carry them.
 pub mod terrain;

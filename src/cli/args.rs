@@ -19,6 +19,8 @@ pub struct Args {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write the sample city's source files.
+    Sample(super::sample::SampleArgs),
     /// Make a city folder from survey files.
     Import(super::import::ImportArgs),
     /// Say what a city holds.

@@ -1,0 +1,26 @@
+//! `rilievo sample`: the sample city's source files.
+
+use std::path::PathBuf;
+
+use super::CommandError;
+use crate::sample::write_sample;
+
+/// Flags of `sample`.
+#[derive(Debug, clap::Args)]
+pub struct SampleArgs {
+    /// The folder to write to.
+    dir: PathBuf,
+}
+
+/// Writes the files and says how to import them.
+pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
+    let files = write_sample(&args.dir).map_err(crate::city::CityError::from)?;
+    let photos: Vec<String> = files.photos.iter().map(|path| path.display().to_string()).collect();
+    println!(
+        "rilievo import --terrain {} --buildings {} --height-field height_m --photo {} --out CITY",
+        files.terrain.display(),
+        files.buildings.display(),
+        photos.join(" ")
+    );
+    Ok(())
+}

@@ -1,0 +1,191 @@
+//! Writes the sample's source files with GDAL, as a survey office would deliver them.
+
+use std::path::{Path, PathBuf};
+
+use gdal::DriverManager;
+use gdal::raster::{Buffer, RasterCreationOptions};
+use gdal::vector::{
+    Feature, FieldDefn, Geometry, LayerAccess, LayerOptions, OGRFieldType, OGRwkbGeometryType,
+};
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::landscape::{HEIGHT_M, WIDTH_M, ground};
+use super::photo::paint;
+use super::town::{SampleBuilding, Town};
+use crate::source::SourceError;
+use crate::space::Crs;
+
+/// The files written.
+#[derive(Clone, Debug)]
+pub struct SampleFiles {
+    /// Bare-earth terrain, 2 m.
+    pub terrain: PathBuf,
+    /// Footprints; the field `height_m` has heights.
+    pub buildings: PathBuf,
+    /// Aerial photo tiles, 0.5 m.
+    pub photos: Vec<PathBuf>,
+}
+
+/// CRS of the sample: UTM zone 33 north.
+const CRS: &str = "EPSG:32633";
+/// South-west corner in that CRS, metres.
+const ORIGIN: DVec2 = DVec2::new(288_000.0, 4_772_000.0);
+const TERRAIN_PIXEL_M: f64 = 2.0;
+const PHOTO_PIXEL_M: f64 = 0.5;
+/// Photo tiles east-west and north-south.
+const PHOTO_TILES: [usize; 2] = [2, 2];
+
+/// Writes terrain, footprints and photos into a folder.
+pub fn write_sample(folder: &Path) -> Result<SampleFiles, SourceError> {
+    let unwritable = |why: String| SourceError::Write {
+        path: folder.to_owned(),
+        why,
+    };
+    std::fs::create_dir_all(folder).map_err(|error| unwritable(error.to_string()))?;
+    gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
+        .map_err(|error| unwritable(error.to_string()))?;
+    let town = Town::new();
+    let files = SampleFiles {
+        terrain: folder.join("terrain.tif"),
+        buildings: folder.join("buildings.gpkg"),
+        photos: (0..PHOTO_TILES[0] * PHOTO_TILES[1])
+            .map(|k| folder.join(format!("photo_{}_{}.tif", k % PHOTO_TILES[0], k / PHOTO_TILES[0])))
+            .collect(),
+    };
+    write_terrain(&files.terrain)?;
+    write_buildings(&files.buildings, &town.buildings)?;
+    (0..files.photos.len())
+        .into_par_iter()
+        .try_for_each(|k| write_photo(&files.photos[k], &town, [k % PHOTO_TILES[0], k / PHOTO_TILES[0]]))?;
+    Ok(files)
+}
+
+fn write_error(path: &Path) -> impl Fn(gdal::errors::GdalError) -> SourceError + use<'_> {
+    |error| SourceError::Write {
+        path: path.to_owned(),
+        why: error.to_string(),
+    }
+}
+
+fn crs() -> Result<gdal::spatial_ref::SpatialRef, SourceError> {
+    Crs::from_text(CRS)
+        .and_then(|crs| crs.reference())
+        .map_err(|source| SourceError::Crs {
+            path: PathBuf::from(CRS),
+            source,
+        })
+}
+
+/// Creates a GeoTIFF, replacing an older one.
+fn create_tiff<T: gdal::raster::GdalType>(
+    path: &Path,
+    [west, north]: [f64; 2],
+    pixel_m: f64,
+    size: [usize; 2],
+    bands: usize,
+    options: &[&str],
+) -> Result<gdal::Dataset, SourceError> {
+    let create = || -> Result<gdal::Dataset, gdal::errors::GdalError> {
+        let driver = DriverManager::get_driver_by_name("GTiff")?;
+        let options: RasterCreationOptions = options.iter().copied().collect();
+        let mut dataset =
+            driver.create_with_band_type_with_options::<T, _>(path, size[0], size[1], bands, &options)?;
+        dataset.set_geo_transform(&[west, pixel_m, 0.0, north, 0.0, -pixel_m])?;
+        Ok(dataset)
+    };
+    let mut dataset = create().map_err(write_error(path))?;
+    dataset.set_spatial_ref(&crs()?).map_err(write_error(path))?;
+    Ok(dataset)
+}
+
+fn write_terrain(path: &Path) -> Result<(), SourceError> {
+    let size = [WIDTH_M, HEIGHT_M].map(|side| (side / TERRAIN_PIXEL_M) as usize);
+    let heights: Vec<f32> = (0..size[0] * size[1])
+        .into_par_iter()
+        .map(|k| {
+            let (column, row) = ((k % size[0]) as f64 + 0.5, (k / size[0]) as f64 + 0.5);
+            let metres = ground(DVec2::new(column * TERRAIN_PIXEL_M, HEIGHT_M - row * TERRAIN_PIXEL_M));
+            // A survey's centimetres.
+            ((metres * 100.0).round() / 100.0) as f32
+        })
+        .collect();
+    let corner = [ORIGIN.x, ORIGIN.y + HEIGHT_M];
+    let options = ["COMPRESS=DEFLATE", "PREDICTOR=3", "TILED=YES"];
+    let dataset = create_tiff::<f32>(path, corner, TERRAIN_PIXEL_M, size, 1, &options)?;
+    let mut band = dataset.rasterband(1).map_err(write_error(path))?;
+    let mut buffer = Buffer::new((size[0], size[1]), heights);
+    band.write((0, 0), (size[0], size[1]), &mut buffer).map_err(write_error(path))?;
+    drop(band);
+    dataset.close().map_err(write_error(path))
+}
+
+fn write_photo(path: &Path, town: &Town, tile: [usize; 2]) -> Result<(), SourceError> {
+    let [width_m, height_m] = [WIDTH_M / PHOTO_TILES[0] as f64, HEIGHT_M / PHOTO_TILES[1] as f64];
+    let size = [width_m, height_m].map(|side| (side / PHOTO_PIXEL_M) as usize);
+    let west = tile[0] as f64 * width_m;
+    let north = (tile[1] + 1) as f64 * height_m;
+    let rgb = paint(town, west, north, size, PHOTO_PIXEL_M);
+    let corner = [ORIGIN.x + west, ORIGIN.y + north];
+    let options = ["COMPRESS=JPEG", "JPEG_QUALITY=92", "PHOTOMETRIC=YCBCR", "TILED=YES"];
+    let dataset = create_tiff::<u8>(path, corner, PHOTO_PIXEL_M, size, 3, &options)?;
+    for channel in 0..3 {
+        let values: Vec<u8> = rgb.iter().skip(channel).step_by(3).copied().collect();
+        let mut band = dataset.rasterband(channel + 1).map_err(write_error(path))?;
+        let mut buffer = Buffer::new((size[0], size[1]), values);
+        band.write((0, 0), (size[0], size[1]), &mut buffer).map_err(write_error(path))?;
+    }
+    dataset.close().map_err(write_error(path))
+}
+
+fn write_buildings(path: &Path, buildings: &[SampleBuilding]) -> Result<(), SourceError> {
+    if path.exists() {
+        std::fs::remove_file(path).map_err(|error| SourceError::Write {
+            path: path.to_owned(),
+            why: error.to_string(),
+        })?;
+    }
+    let srs = crs()?;
+    let write = || -> Result<(), gdal::errors::GdalError> {
+        let mut dataset = DriverManager::get_driver_by_name("GPKG")?.create_vector_only(path)?;
+        let mut transaction = dataset.start_transaction()?;
+        let layer = transaction.create_layer(LayerOptions {
+            name: "buildings",
+            srs: Some(&srs),
+            ty: OGRwkbGeometryType::wkbPolygon,
+            options: None,
+        })?;
+        for (name, kind) in [
+            ("kind", OGRFieldType::OFTString),
+            ("storeys", OGRFieldType::OFTInteger),
+            ("height_m", OGRFieldType::OFTReal),
+        ] {
+            FieldDefn::new(name, kind)?.add_to_layer(&layer)?;
+        }
+        for building in buildings {
+            let mut feature = Feature::new(layer.defn())?;
+            feature.set_field_string(0, building.kind)?;
+            feature.set_field_integer(1, building.storeys as i32)?;
+            feature.set_field_double(2, building.height_m)?;
+            feature.set_geometry(Geometry::from_wkt(&wkt_of(building))?)?;
+            feature.create(&layer)?;
+        }
+        drop(layer);
+        transaction.commit()?;
+        dataset.close()
+    };
+    write().map_err(write_error(path))
+}
+
+/// Well-known text of an outline in the sample's CRS, to the millimetre.
+fn wkt_of(building: &SampleBuilding) -> String {
+    let ring = |points: &[DVec2]| {
+        let closed = points.iter().chain(points.first());
+        let texts: Vec<String> = closed
+            .map(|p| format!("{:.3} {:.3}", ORIGIN.x + p.x, ORIGIN.y + p.y))
+            .collect();
+        format!("({})", texts.join(","))
+    };
+    let rings: Vec<String> = std::iter::once(&building.ring).chain(&building.holes).map(|points| ring(points)).collect();
+    format!("POLYGON({})", rings.join(","))
+}
