@@ -16,12 +16,12 @@ fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
     let up = max(direction.z, 0.0);
     let light = day(frame.sun.z);
     let low_sun = 1.0 - smoothstep(0.02, 0.4, frame.sun.z);
-    let horizon = mix(vec3<f32>(0.74, 0.84, 0.95), vec3<f32>(1.05, 0.72, 0.48), 0.75 * low_sun);
-    let zenith = mix(vec3<f32>(0.16, 0.34, 0.72), vec3<f32>(0.17, 0.24, 0.48), low_sun);
+    let horizon = mix(vec3<f32>(0.72, 0.82, 0.92), vec3<f32>(1.05, 0.72, 0.48), 0.75 * low_sun);
+    let zenith = mix(vec3<f32>(0.13, 0.30, 0.68), vec3<f32>(0.17, 0.24, 0.48), low_sun);
     let towards_sun = max(dot(direction, frame.sun.xyz), 0.0);
     let glow = sun_colour() * (0.12 * pow(towards_sun, 6.0) + 0.25 * pow(towards_sun, 48.0));
     let night = vec3<f32>(0.006, 0.008, 0.014);
-    return night + light * (mix(horizon, zenith, pow(up, 0.42)) + glow);
+    return night + light * (mix(horizon, zenith, 1.0 - exp(-3.2 * up)) + glow);
 }
 
 // The sun's disc, seen directly: half an angle of 0.265 degrees.
@@ -39,6 +39,6 @@ fn ambient_light(normal: vec3<f32>) -> vec3<f32> {
 }
 
 fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
-    let flat = normalize(vec3<f32>(direction.xy, max(direction.z, 0.03)));
+    let flat = normalize(vec3<f32>(direction.xy, max(direction.z, 0.0)));
     return mix(sky_colour(flat), colour, exp(-t / HAZE_RANGE_M));
 }

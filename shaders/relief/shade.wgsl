@@ -33,7 +33,7 @@ fn photo_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
     let layer = textureLoad(tile_table, tile, 0).y;
     if layer < 0 { return vec4<f32>(0.0); }
     let uv = fract(place);
-    let pixels = t * frame.pixel_angle * frame.photo_side / (frame.tile_m * max(facing, 0.25));
+    let pixels = t * frame.pixel_angle * frame.photo_side / (frame.tile_m * sqrt(max(facing, 0.05)));
     let colour = textureSampleLevel(photo, photo_sampler, vec2<f32>(uv.x, 1.0 - uv.y), layer, log2(max(pixels, 1.0)));
     return colour;
 }
@@ -47,7 +47,7 @@ fn roof_colour(fid: u32) -> vec3<f32> {
 
 fn wall_colour(fid: u32) -> vec3<f32> {
     let r = random3(vec3<u32>(fid, 3u, 7u));
-    let plaster = mix(vec3<f32>(0.62, 0.57, 0.49), vec3<f32>(0.66, 0.52, 0.36), r.x);
+    let plaster = mix(vec3<f32>(0.58, 0.52, 0.43), vec3<f32>(0.58, 0.43, 0.28), r.x);
     return mix(plaster, vec3<f32>(0.50, 0.49, 0.47), step(0.75, r.y)) * (0.85 + 0.25 * r.z);
 }
 
@@ -90,7 +90,8 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let seen = photo_at(at.xy, t, abs(dot(direction, normal)));
         albedo = mix(bare_ground(normal), seen.rgb, seen.a);
     }
-    let random = random3(vec3<u32>(vec2<u32>(pixel), frame.sample));
+    // Every pixel walks the same low-discrepancy sequence (R3: Roberts 2018) from a place of its own.
+    let random = fract(random3(vec3<u32>(vec2<u32>(pixel), 1u)) + f32(frame.sample) * vec3<f32>(0.8191725, 0.6710436, 0.5497005));
     var to_sun = frame.sun.xyz;
     var sky_share = 1.0;
     if frame.sample > 0u {
@@ -110,6 +111,6 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let facing = max(dot(normal, to_sun), 0.0);
     var sun = vec3<f32>(0.0);
     if facing > 0.0 && to_sun.z > 0.0 && is_open(at, normal, to_sun, FAR) { sun = sun_colour() * facing; }
-    let radiance = albedo * (sun + sky_share * ambient_light(normal)) / 1.6;
+    let radiance = albedo * (sun + sky_share * ambient_light(normal)) / 2.1;
     return Shaded(vec4<f32>(through_haze(radiance, direction, t), 1.0), t, id);
 }

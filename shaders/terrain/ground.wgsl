@@ -57,25 +57,29 @@ fn surface_at(place: vec2<f32>, layer: u32) -> Surface {
 const MOST_STEPS: i32 = 3;
 // Good enough, metres.
 const NEAR_ENOUGH_M: f32 = 0.01;
-// Longest step, metres of height error per metre along the ray: beyond it the ray grazes and the triangle stays.
+// Least loss of height above the ground per metre along the ray: below it the ray grazes and the triangle stays.
 const LEAST_CLOSING: f32 = 0.004;
+// Farthest from the triangle, metres along the ray.
+const MOST_CARRY_M: f32 = 40.0;
 
 @fragment
 fn fs(in: GroundVertex) -> GroundSurface {
     // The triangle stands for the DTM within the mesh's error; from there the ray is carried on to the DTM's own
     // bilinear surface, so that the mesh may stay coarse ("per-pixel displacement" of the ground).
-    let direction = in.at / length(in.at);
-    var t = length(in.at);
+    let on_mesh = length(in.at);
+    let direction = in.at / on_mesh;
+    var t = on_mesh;
     var surface = surface_at(in.place, in.layer);
-    var at = in.at;
+    var above = in.at.z - surface.height;
     for (var i = 0; i < MOST_STEPS; i += 1) {
-        let above = at.z - surface.height;
         let closing = dot(surface.slope, direction.xy) - direction.z;
         if abs(above) < NEAR_ENOUGH_M || closing < LEAST_CLOSING { break; }
-        let step = clamp(above / closing, -0.5 * t, 0.5 * t + 20.0);
-        t += step;
-        at = direction * t;
+        t = clamp(t + above / closing, on_mesh - MOST_CARRY_M, on_mesh + MOST_CARRY_M);
+        let at = direction * t;
         surface = surface_at(in.place + (at.xy - in.at.xy) / frame.terrain_step_m, in.layer);
+        above = at.z - surface.height;
     }
+    // Over a crest the steps may lead nowhere: then the triangle stands.
+    if abs(above) > 0.05 || t < 0.5 * on_mesh { t = on_mesh; }
     return GroundSurface(t, pack_normal(normalize(vec3<f32>(-surface.slope, 1.0))));
 }
