@@ -25,14 +25,12 @@ pub struct NoGround;
 impl Building {
     /// Rectangle of the outline.
     pub fn bounds(&self) -> Bounds {
-        self.outline
-            .bounding_rect()
-            .map_or(Bounds::EMPTY, |rect| Bounds {
-                west: rect.min().x,
-                south: rect.min().y,
-                east: rect.max().x,
-                north: rect.max().y,
-            })
+        self.outline.bounding_rect().map_or(Bounds::EMPTY, |rect| Bounds {
+            west: rect.min().x,
+            south: rect.min().y,
+            east: rect.max().x,
+            north: rect.max().y,
+        })
     }
 
     /// Stands the footprint on its base. True beside it when part of the outline lies over missing ground.
@@ -56,10 +54,7 @@ impl Building {
 }
 
 /// Lowest ground at the outline's vertices, and whether some vertex has none. None when all have none.
-pub fn base_of(
-    outline: &MultiPolygon<f64>,
-    ground: impl Fn(f64, f64) -> Option<f64>,
-) -> Option<(f64, bool)> {
+pub fn base_of(outline: &MultiPolygon<f64>, ground: impl Fn(f64, f64) -> Option<f64>) -> Option<(f64, bool)> {
     let mut lowest: Option<f64> = None;
     let mut missing = false;
     for point in outline.coords_iter() {
@@ -77,9 +72,7 @@ pub fn triangle_bytes(outline: &MultiPolygon<f64>) -> u64 {
     let mut bytes = 0;
     for polygon in outline {
         let rings = std::iter::once(polygon.exterior()).chain(polygon.interiors());
-        let corners: u64 = rings
-            .map(|ring| ring.0.len().saturating_sub(1) as u64)
-            .sum();
+        let corners: u64 = rings.map(|ring| ring.0.len().saturating_sub(1) as u64).sum();
         let holes = polygon.interiors().len() as u64;
         let triangles = 2 * corners + (corners + 2 * holes).saturating_sub(2);
         bytes += 5 * corners * 20 + triangles * 12;

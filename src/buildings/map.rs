@@ -143,9 +143,7 @@ impl BuildingMap {
             CellKind::List(offset) => {
                 let offset = offset as usize;
                 let count = self.pieces.get(offset).map_or(0, |&count| count as usize);
-                self.pieces
-                    .get(offset + 1..offset + 1 + count)
-                    .unwrap_or(&[])
+                self.pieces.get(offset + 1..offset + 1 + count).unwrap_or(&[])
             }
             _ => &[],
         }
@@ -216,11 +214,7 @@ impl BuildingMap {
         };
         let sound_cell = |word: u32| match CellKind::of(word) {
             CellKind::List(offset) => {
-                let count = self
-                    .pieces
-                    .get(offset as usize)
-                    .copied()
-                    .unwrap_or(u32::MAX);
+                let count = self.pieces.get(offset as usize).copied().unwrap_or(u32::MAX);
                 let words = self.words(word);
                 words.len() == count as usize && words.iter().all(|&word| sound_word(word))
             }

@@ -14,9 +14,7 @@ pub struct Pyramid {
 impl Pyramid {
     /// Builds all levels above the texels.
     pub fn of(map: &BuildingMap) -> Self {
-        let texels: Vec<f32> = (0..map.cells.len())
-            .map(|cell| map.highest_roof(cell))
-            .collect();
+        let texels: Vec<f32> = (0..map.cells.len()).map(|cell| map.highest_roof(cell)).collect();
         let mut levels: Vec<Vec<f32>> = Vec::new();
         let mut side = map.side;
         while side > 1 {
@@ -37,9 +35,7 @@ impl Pyramid {
 
     /// Highest roof of the tile.
     pub fn top(&self) -> f32 {
-        self.levels
-            .last()
-            .map_or(f32::NEG_INFINITY, |level| level[0])
+        self.levels.last().map_or(f32::NEG_INFINITY, |level| level[0])
     }
 
     /// Highest roof of a block at `level` (1 = 2 x 2 texels).

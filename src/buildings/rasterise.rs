@@ -26,11 +26,7 @@ struct Touch {
 
 /// Rasterises the buildings that meet the tile. `buildings` must be sorted by id; roofs that are equally high
 /// give way to the lower id.
-pub fn rasterise(
-    tile: &Bounds,
-    side: usize,
-    buildings: &[&Building],
-) -> Result<BuildingMap, MapTooLarge> {
+pub fn rasterise(tile: &Bounds, side: usize, buildings: &[&Building]) -> Result<BuildingMap, MapTooLarge> {
     let texel_m = tile.width() / side as f64;
     let mut work = Work {
         tile: *tile,

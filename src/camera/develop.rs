@@ -35,10 +35,7 @@ impl Develop {
     pub fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
         let layout = |entries: &[wgpu::BindGroupLayoutEntry]| {
             gpu.device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: None,
-                    entries,
-                })
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
         };
         let accumulate_layout = layout(&[texture_entry(0), texture_entry(1)]);
         let exposure_entry = wgpu::BindGroupLayoutEntry {
@@ -106,13 +103,7 @@ impl Develop {
     }
 
     /// Exposes and tone-maps the mean of `samples` samples.
-    pub fn encode_picture(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        samples: u32,
-        exposure: f32,
-    ) {
+    pub fn encode_picture(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, samples: u32, exposure: f32) {
         let sum = &self.sums[(samples as usize + 1) % 2];
         let scale = uniform_buffer(gpu, "exposure", &[exposure / samples as f32, 0.0, 0.0, 0.0]);
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -11,10 +11,7 @@ macro_rules! text {
 /// Sum of samples.
 pub const ACCUMULATE: ShaderSource = ShaderSource {
     name: "camera/accumulate.wgsl",
-    texts: &[
-        text!("lib/fullscreen.wgsl"),
-        text!("camera/accumulate.wgsl"),
-    ],
+    texts: &[text!("lib/fullscreen.wgsl"), text!("camera/accumulate.wgsl")],
 };
 
 /// Exposure and tone mapping.

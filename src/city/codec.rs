@@ -99,9 +99,7 @@ pub fn write_buildings(
                 .map(|index| &map.roofs[index as usize])
         })
         .collect();
-    let roofs = shown
-        .iter()
-        .map(|roof| roof.map_or(f32::NAN, |roof| roof.roof_m));
+    let roofs = shown.iter().map(|roof| roof.map_or(f32::NAN, |roof| roof.roof_m));
     let fids = shown.iter().map(|roof| roof.map_or(0, |roof| roof.fid));
     let raster = |pixels: Pixels| Page {
         size: [map.side, map.side],
@@ -113,14 +111,10 @@ pub fn write_buildings(
         pixels: Pixels::Word(values),
         georeference: None,
     };
-    let vertices = map.vertices.iter().flat_map(|v| {
-        [
-            v.x_m.to_bits(),
-            v.y_m.to_bits(),
-            v.along_m.to_bits(),
-            v.building,
-        ]
-    });
+    let vertices = map
+        .vertices
+        .iter()
+        .flat_map(|v| [v.x_m.to_bits(), v.y_m.to_bits(), v.along_m.to_bits(), v.building]);
     let records = map
         .roofs
         .iter()
@@ -185,12 +179,7 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
 }
 
 /// Writes a photo tile.
-pub fn write_photo(
-    path: &Path,
-    bounds: &Bounds,
-    photo: &PhotoTile,
-    keys: &GeoKeys,
-) -> Result<(), CityError> {
+pub fn write_photo(path: &Path, bounds: &Bounds, photo: &PhotoTile, keys: &GeoKeys) -> Result<(), CityError> {
     let pixel_m = bounds.width() / photo.side as f64;
     let page = Page {
         size: [photo.side, photo.side],

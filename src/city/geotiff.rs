@@ -83,9 +83,7 @@ pub fn write(path: &Path, pages: &[Page], keys: &GeoKeys) -> Result<(), CityErro
             .with_compression(Compression::Deflate(DeflateLevel::Fast));
         for page in pages {
             match &page.pixels {
-                Pixels::Float(values) => {
-                    write_page::<Gray32Float, _>(&mut encoder, page, values, keys)
-                }
+                Pixels::Float(values) => write_page::<Gray32Float, _>(&mut encoder, page, values, keys),
                 Pixels::Word(values) => write_page::<Gray32, _>(&mut encoder, page, values, keys),
                 Pixels::Rgba(values) => write_page::<RGBA8, _>(&mut encoder, page, values, keys),
             }
@@ -111,10 +109,7 @@ where
     if let Some([west, north, pixel_m]) = page.georeference {
         let directory = image.encoder();
         directory.write_tag(Tag::ModelPixelScaleTag, &[pixel_m, pixel_m, 0.0][..])?;
-        directory.write_tag(
-            Tag::ModelTiepointTag,
-            &[0.0, 0.0, 0.0, west, north, 0.0][..],
-        )?;
+        directory.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, west, north, 0.0][..])?;
         directory.write_tag(Tag::GeoKeyDirectoryTag, &keys.directory[..])?;
         if !keys.ascii.is_empty() {
             directory.write_tag(Tag::GeoAsciiParamsTag, keys.ascii.as_str())?;
@@ -150,16 +145,10 @@ impl<'a> PageReader<'a> {
     }
 
     /// The next page as f32.
-    pub fn floats(
-        &mut self,
-        size: [Option<usize>; 2],
-    ) -> Result<(Vec<f32>, [usize; 2]), CityError> {
+    pub fn floats(&mut self, size: [Option<usize>; 2]) -> Result<(Vec<f32>, [usize; 2]), CityError> {
         match self.next(size)? {
             (DecodingResult::F32(values), size) => Ok((values, size)),
-            _ => Err(damaged(
-                self.path,
-                "a page is not of 32-bit floats".to_owned(),
-            )),
+            _ => Err(damaged(self.path, "a page is not of 32-bit floats".to_owned())),
         }
     }
 
@@ -167,27 +156,19 @@ impl<'a> PageReader<'a> {
     pub fn words(&mut self, size: [Option<usize>; 2]) -> Result<(Vec<u32>, [usize; 2]), CityError> {
         match self.next(size)? {
             (DecodingResult::U32(values), size) => Ok((values, size)),
-            _ => Err(damaged(
-                self.path,
-                "a page is not of 32-bit numbers".to_owned(),
-            )),
+            _ => Err(damaged(self.path, "a page is not of 32-bit numbers".to_owned())),
         }
     }
 
     /// The next page as RGBA bytes.
     pub fn rgba(&mut self, size: [Option<usize>; 2]) -> Result<Vec<u8>, CityError> {
         match self.next(size)? {
-            (DecodingResult::U8(values), [width, height]) if values.len() == 4 * width * height => {
-                Ok(values)
-            }
+            (DecodingResult::U8(values), [width, height]) if values.len() == 4 * width * height => Ok(values),
             _ => Err(damaged(self.path, "a page is not of RGBA bytes".to_owned())),
         }
     }
 
-    fn next(
-        &mut self,
-        size: [Option<usize>; 2],
-    ) -> Result<(DecodingResult, [usize; 2]), CityError> {
+    fn next(&mut self, size: [Option<usize>; 2]) -> Result<(DecodingResult, [usize; 2]), CityError> {
         let path = self.path;
         let bad = |error: tiff::TiffError| damaged(path, error.to_string());
         if !self.first {

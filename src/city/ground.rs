@@ -73,9 +73,7 @@ impl Ground {
         }
         let path = tile_path(&self.folder, Layer::Terrain, tile);
         let ground = match path.exists() {
-            true => Some(Arc::new(
-                read_terrain(&path, self.side, self.step_m)?.ground,
-            )),
+            true => Some(Arc::new(read_terrain(&path, self.side, self.step_m)?.ground)),
             false => None,
         };
         self.keep(tile, ground.clone());

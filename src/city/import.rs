@@ -26,9 +26,7 @@ use super::staging::Staging;
 use super::store::{Layer, tile_path};
 use super::{CityError, Manifest, SourceRecord};
 use crate::buildings::{Building, rasterise, triangle_bytes};
-use crate::source::{
-    Dtm, Footprint, FootprintReport, FootprintSource, HeightRule, MapWriter, Photos,
-};
+use crate::source::{Dtm, Footprint, FootprintReport, FootprintSource, HeightRule, MapWriter, Photos};
 use crate::space::{Bounds, Crs, TileGrid, TileId};
 use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, tin_triangles};
 
@@ -144,8 +142,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
                 options.buildings.display(),
                 report.left_out
             ),
-            advice: "check the layer (--layer) and that it shows the same place as the terrain"
-                .to_owned(),
+            advice: "check the layer (--layer) and that it shows the same place as the terrain".to_owned(),
         });
     }
     let building_map_bytes = make_building_maps(&buildings, &plan, folder, &keys)?;
@@ -230,11 +227,7 @@ impl Sources {
         let city = parse(&options.crs)?;
         let assumed = |own: Option<Crs>| own.or_else(|| city.clone());
         let terrain_crs = assumed(parse(&options.terrain_crs)?);
-        let dtm = Dtm::open(
-            &options.terrain,
-            terrain_crs.as_ref(),
-            options.terrain_unit_m,
-        )?;
+        let dtm = Dtm::open(&options.terrain, terrain_crs.as_ref(), options.terrain_unit_m)?;
         let buildings_crs = assumed(parse(&options.buildings_crs)?);
         let buildings = FootprintSource::open(
             &options.buildings,
@@ -318,11 +311,7 @@ const SAMPLES_PER_PIXEL: f64 = 4.0;
 const MOST_TILES: f64 = 1e6;
 
 impl Plan {
-    fn new(
-        sources: &Sources,
-        options: &ImportOptions,
-        footprints: &[Footprint],
-    ) -> Result<Self, CityError> {
+    fn new(sources: &Sources, options: &ImportOptions, footprints: &[Footprint]) -> Result<Self, CityError> {
         let terrain = sources.dtm.bounds_in(&sources.crs)?;
         let mut built = Bounds::EMPTY;
         for footprint in footprints {
@@ -340,19 +329,15 @@ impl Plan {
                     sources.crs.name(),
                     describe(&terrain)
                 ),
-                advice:
-                    "check the files' coordinate reference systems (--buildings-crs, --terrain-crs)"
-                        .to_owned(),
+                advice: "check the files' coordinate reference systems (--buildings-crs, --terrain-crs)"
+                    .to_owned(),
             });
         }
         let tile_m = options.texel_m * TILE_TEXELS as f64;
         let tiles = (bounds.width() / tile_m + 1.0) * (bounds.height() / tile_m + 1.0);
         if tiles > MOST_TILES {
             return Err(CityError::Unfit {
-                what: format!(
-                    "the city would have {tiles:.0} tiles ({})",
-                    describe(&bounds)
-                ),
+                what: format!("the city would have {tiles:.0} tiles ({})", describe(&bounds)),
                 advice: "use larger texels (--texel) or a smaller --margin".to_owned(),
             });
         }
@@ -372,8 +357,7 @@ impl Plan {
                 (grid, intervals, options.fill_m)
             }
             None => {
-                let wanted =
-                    (sources.dtm.finest_pixel_m() / SAMPLES_PER_PIXEL).max(0.5 * options.texel_m);
+                let wanted = (sources.dtm.finest_pixel_m() / SAMPLES_PER_PIXEL).max(0.5 * options.texel_m);
                 let mut intervals = 16;
                 while tile_m / intervals as f64 > wanted && intervals < 1024 {
                     intervals *= 2;
@@ -478,8 +462,7 @@ fn make_terrain(
                 if let Some(tile) = &tile {
                     totals[0].fetch_add(1, Ordering::Relaxed);
                     totals[1].fetch_add(tile.triangles.len() as u64, Ordering::Relaxed);
-                    totals[2]
-                        .fetch_add(grid_triangles(&tile.ground).len() as u64, Ordering::Relaxed);
+                    totals[2].fetch_add(grid_triangles(&tile.ground).len() as u64, Ordering::Relaxed);
                 }
                 ground.keep(id, tile.map(|tile| Arc::new(tile.ground)));
                 bar.inc(1);
@@ -513,8 +496,7 @@ fn terrain_tile(
         sampler.lattice(corner, plan.terrain_step_m, first, [side + 2 * margin; 2])
     };
     let mut apron = lattice(sampler, 1)?;
-    let missing =
-        |heights: &[f32]| heights.iter().filter(|height| !height.is_finite()).count() as u64;
+    let missing = |heights: &[f32]| heights.iter().filter(|height| !height.is_finite()).count() as u64;
     let mut filled = 0;
     if missing(&apron) > 0 && plan.fill_samples > 0 {
         let margin = plan.fill_samples + 2;
@@ -561,9 +543,7 @@ fn stand_on_ground(
             let fid = footprint.fid;
             Building::on_ground(footprint, |x, y| {
                 ground.at(x, y).unwrap_or_else(|error| {
-                    let mut failure = failure
-                        .lock()
-                        .unwrap_or_else(std::sync::PoisonError::into_inner);
+                    let mut failure = failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                     failure.get_or_insert(error);
                     None
                 })
@@ -619,18 +599,14 @@ fn make_building_maps(
         .map(|(id, buildings)| -> Result<(), CityError> {
             let path = tile_path(folder, Layer::Buildings, *id);
             let bounds = plan.grid.tile_bounds(*id);
-            let map =
-                rasterise(&bounds, TILE_TEXELS, buildings).map_err(|error| CityError::Tile {
-                    path: path.clone(),
-                    why: error.to_string(),
-                })?;
+            let map = rasterise(&bounds, TILE_TEXELS, buildings).map_err(|error| CityError::Tile {
+                path: path.clone(),
+                why: error.to_string(),
+            })?;
             if map.vertices.is_empty() && map.cells.iter().all(|&word| word == 0) {
                 return Ok(()); // only its rectangle touches the tile
             }
-            bytes.fetch_add(
-                (map.bytes() + map.cells.len() * 4 / 3) as u64,
-                Ordering::Relaxed,
-            );
+            bytes.fetch_add((map.bytes() + map.cells.len() * 4 / 3) as u64, Ordering::Relaxed);
             if !path.exists() {
                 codec::write_buildings(&path, &bounds, &map, keys)?;
             }
@@ -646,19 +622,12 @@ fn make_building_maps(
 const MOST_PHOTO_PIXELS: usize = 1024;
 
 /// Warps the photos tile by tile; returns the pixels along a side, 0 without photos.
-fn make_photos(
-    sources: &Sources,
-    plan: &Plan,
-    folder: &Path,
-    keys: &GeoKeys,
-) -> Result<usize, CityError> {
+fn make_photos(sources: &Sources, plan: &Plan, folder: &Path, keys: &GeoKeys) -> Result<usize, CityError> {
     let Some(photos) = &sources.photos else {
         return Ok(0);
     };
     let mut side = 64;
-    while side < MOST_PHOTO_PIXELS
-        && plan.grid.tile_m / side as f64 > 1.01 * photos.finest_pixel_m()
-    {
+    while side < MOST_PHOTO_PIXELS && plan.grid.tile_m / side as f64 > 1.01 * photos.finest_pixel_m() {
         side *= 2;
     }
     let crs = &sources.crs;

@@ -20,8 +20,8 @@ impl Staging {
     /// sources' sizes and times) are kept, others removed.
     pub fn open(target: &Path, recipe: &str) -> Result<Self, CityError> {
         if target.exists() && !target.join("city.toml").is_file() {
-            let occupied = !target.is_dir()
-                || fs::read_dir(target).is_ok_and(|mut entries| entries.next().is_some());
+            let occupied =
+                !target.is_dir() || fs::read_dir(target).is_ok_and(|mut entries| entries.next().is_some());
             if occupied {
                 return Err(CityError::Unfit {
                     what: format!("{}: exists and is not a city", target.display()),

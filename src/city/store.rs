@@ -61,13 +61,9 @@ impl City {
         }
         let grid = &manifest.grid;
         let sane = manifest.tile_texels.is_power_of_two()
-            && [
-                manifest.tile_texels,
-                manifest.terrain_side,
-                manifest.photo_side,
-            ]
-            .iter()
-            .all(|&count| count <= MOST_TILE_SAMPLES)
+            && [manifest.tile_texels, manifest.terrain_side, manifest.photo_side]
+                .iter()
+                .all(|&count| count <= MOST_TILE_SAMPLES)
             && manifest.terrain_side >= 2
             && [
                 grid.west,
@@ -130,22 +126,14 @@ impl City {
     /// Ground of a tile, none where the city has none.
     pub fn terrain(&self, tile: TileId) -> Result<Option<TerrainTile>, CityError> {
         self.existing(Layer::Terrain, tile)
-            .map(|path| {
-                codec::read_terrain(
-                    &path,
-                    self.manifest.terrain_side,
-                    self.manifest.terrain_step_m,
-                )
-            })
+            .map(|path| codec::read_terrain(&path, self.manifest.terrain_side, self.manifest.terrain_step_m))
             .transpose()
     }
 
     /// Building map of a tile, none where no building stands.
     pub fn buildings(&self, tile: TileId) -> Result<Option<BuildingMap>, CityError> {
         self.existing(Layer::Buildings, tile)
-            .map(|path| {
-                codec::read_buildings(&path, self.manifest.tile_texels, self.manifest.texel_m)
-            })
+            .map(|path| codec::read_buildings(&path, self.manifest.tile_texels, self.manifest.texel_m))
             .transpose()
     }
 

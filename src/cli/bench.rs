@@ -82,13 +82,8 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
                 let wall_ms = start.elapsed().as_secs_f64() * 1e3;
                 times.push((wall_ms, picture.pass_ms.unwrap_or_default()));
             }
-            let pass = |index: usize| {
-                median(
-                    times
-                        .iter()
-                        .filter_map(|(_, passes)| passes.get(index).copied()),
-                )
-            };
+            let pass =
+                |index: usize| median(times.iter().filter_map(|(_, passes)| passes.get(index).copied()));
             rows.push(json!({
                 "view": view.name,
                 "relief": if mode == ReliefMode::Exact { "exact" } else { "polygons" },
@@ -156,11 +151,7 @@ fn reads_per_ray(map: &CpuMap<'_>, view: &View, size: [u32; 2]) -> f64 {
     let (mut rays, mut reads) = (0_u64, 0_u64);
     for row in (0..size[1]).step_by(STRIDE) {
         for column in (0..size[0]).step_by(STRIDE) {
-            let (_, count) = map.cast(
-                view.eye,
-                projection.ray_direction(column, row),
-                f32::INFINITY,
-            );
+            let (_, count) = map.cast(view.eye, projection.ray_direction(column, row), f32::INFINITY);
             rays += 1;
             reads += u64::from(count);
         }
@@ -183,9 +174,7 @@ fn default_views(city: &City) -> Result<Vec<PathView>, CommandError> {
     let centre = bounds.centre();
     let tile = city.manifest().grid.tile_at(centre);
     let ground = match tile {
-        Some(tile) => city
-            .terrain(tile)?
-            .and_then(|terrain| terrain.ground.range()),
+        Some(tile) => city.terrain(tile)?.and_then(|terrain| terrain.ground.range()),
         None => None,
     };
     let top = f64::from(ground.map_or(0.0, |[_, high]| high));

@@ -78,10 +78,7 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
                 storey_height_m,
             })
         })
-        .or_else(|| {
-            args.roof_field
-                .map(|field| HeightRule::RoofElevation { field })
-        });
+        .or_else(|| args.roof_field.map(|field| HeightRule::RoofElevation { field }));
     let options = ImportOptions {
         terrain: args.terrain,
         buildings: args.buildings,

@@ -55,12 +55,7 @@ pub struct RenderArgs {
 pub fn point(text: &str) -> Result<DVec3, String> {
     let numbers: Vec<f64> = text
         .split(',')
-        .map(|part| {
-            part.trim()
-                .parse::<f64>()
-                .ok()
-                .filter(|value| value.is_finite())
-        })
+        .map(|part| part.trim().parse::<f64>().ok().filter(|value| value.is_finite()))
         .collect::<Option<_>>()
         .unwrap_or_default();
     match numbers[..] {
@@ -137,9 +132,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
 
 /// Fails before the long work when the result could not be written after it.
 fn require_folder(path: &std::path::Path) -> Result<(), CommandError> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_none_or(std::path::Path::is_dir) {
         return Ok(());
     }

@@ -15,7 +15,11 @@ pub struct SampleArgs {
 /// Writes the files and says how to import them.
 pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
     let files = write_sample(&args.dir).map_err(crate::city::CityError::from)?;
-    let photos: Vec<String> = files.photos.iter().map(|path| path.display().to_string()).collect();
+    let photos: Vec<String> = files
+        .photos
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
     println!(
         "rilievo import --terrain {} --buildings {} --height-field height_m --photo {} --out CITY",
         files.terrain.display(),

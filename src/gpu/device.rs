@@ -68,8 +68,7 @@ impl Gpu {
     pub fn open() -> Result<Self, GpuError> {
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         // The GL back end of software Mesa draws hierarchical walks wrongly: Vulkan and its peers only.
-        description.backends =
-            wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+        description.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
         let instance = wgpu::Instance::new(description);
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
@@ -111,10 +110,7 @@ impl Gpu {
         self.device
             .poll(wgpu::PollType::wait_indefinitely())
             .map_err(|error| self.failed(error))?;
-        let mut complaint = self
-            .complaint
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner);
         match complaint.take() {
             Some(why) => Err(self.failed(why)),
             None => Ok(()),

@@ -3,10 +3,7 @@
 use super::{Gpu, GpuError};
 
 /// All texels of a 2D texture, rows from the top without padding. `T` is a texel's component or a whole texel.
-pub fn read_texture<T: bytemuck::Pod>(
-    gpu: &Gpu,
-    texture: &wgpu::Texture,
-) -> Result<Vec<T>, GpuError> {
+pub fn read_texture<T: bytemuck::Pod>(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<T>, GpuError> {
     let size = texture.size();
     let texel_bytes = texture.format().block_copy_size(None).unwrap_or(4);
     let row_bytes = size.width * texel_bytes;
@@ -33,9 +30,7 @@ pub fn read_texture<T: bytemuck::Pod>(
     gpu.queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |_| {});
     gpu.wait()?;
-    let bytes = buffer
-        .get_mapped_range(..)
-        .map_err(|error| gpu.failed(error))?;
+    let bytes = buffer.get_mapped_range(..).map_err(|error| gpu.failed(error))?;
     Ok(bytes
         .chunks_exact(padded as usize)
         .flat_map(|row| bytemuck::pod_collect_to_vec::<u8, T>(&row[..row_bytes as usize]))

@@ -21,9 +21,8 @@ impl ShaderSource {
 
 /// Compiles a linked shader.
 pub fn shader_module(gpu: &Gpu, source: &ShaderSource) -> wgpu::ShaderModule {
-    gpu.device
-        .create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(source.name),
-            source: wgpu::ShaderSource::Wgsl(source.linked().into()),
-        })
+    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(source.name),
+        source: wgpu::ShaderSource::Wgsl(source.linked().into()),
+    })
 }

@@ -63,16 +63,14 @@ impl PassTimer {
         read.map_async(wgpu::MapMode::Read, .., |_| {});
         gpu.wait()?;
         let times = {
-            let bytes = read
-                .get_mapped_range(..)
-                .map_err(|error| gpu.failed(error))?;
+            let bytes = read.get_mapped_range(..).map_err(|error| gpu.failed(error))?;
             bytemuck::pod_collect_to_vec::<u8, u64>(&bytes)
         };
         read.unmap();
         let (pairs, _) = times.as_chunks::<2>();
-        let spans = pairs.iter().map(|[begin, end]| {
-            end.saturating_sub(*begin) as f64 * f64::from(self.period_ns) * 1e-6
-        });
+        let spans = pairs
+            .iter()
+            .map(|[begin, end]| end.saturating_sub(*begin) as f64 * f64::from(self.period_ns) * 1e-6);
         Ok(Some(spans.collect()))
     }
 }

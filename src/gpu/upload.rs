@@ -48,11 +48,7 @@ impl TextureArray {
         layers: u32,
     ) -> Result<Self, GpuError> {
         let limits = gpu.device.limits();
-        gpu.require(
-            label,
-            u64::from(side),
-            u64::from(limits.max_texture_dimension_2d),
-        )?;
+        gpu.require(label, u64::from(side), u64::from(limits.max_texture_dimension_2d))?;
         gpu.require(
             label,
             u64::from(layers),
@@ -86,11 +82,7 @@ impl TextureArray {
             wgpu::TexelCopyTextureInfo {
                 texture: &self.texture,
                 mip_level: level,
-                origin: wgpu::Origin3d {
-                    x: 0,
-                    y: 0,
-                    z: layer,
-                },
+                origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
                 aspect: wgpu::TextureAspect::All,
             },
             bytemuck::cast_slice(texels),

@@ -88,20 +88,14 @@ impl ExactPass {
             gpu,
             "relief input",
             &self.input_layout,
-            vec![wgpu::BindingResource::TextureView(
-                &targets.ground_distance.view,
-            )],
+            vec![wgpu::BindingResource::TextureView(&targets.ground_distance.view)],
         );
         let mut pass = targets.begin_relief_pass(encoder, timestamps);
         pass.set_pipeline(&self.overflow);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &map.group, &[]);
         pass.set_bind_group(2, &input, &[]);
-        for index in nearest_first(
-            &resident.grid,
-            &resident.building_tiles,
-            view.eye.truncate(),
-        ) {
+        for index in nearest_first(&resident.grid, &resident.building_tiles, view.eye.truncate()) {
             let slot = &resident.slots[index];
             let bounds = resident.grid.tile_bounds(resident.building_tiles[index]);
             if frustum.sees(&bounds, f64::from(slot.low), f64::from(slot.high)) {

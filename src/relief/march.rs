@@ -118,25 +118,23 @@ pub fn visit_cell(
                         let t = (a - start).perp_dot(along) / facing;
                         let low_enough = ray.start.z + t * ray.direction.z <= roof;
                         if t >= from_t && t <= to_t && t < best_t(&best) && low_enough {
-                            let u =
-                                (start + t * ray.direction.xy() - a).dot(along) / along.dot(along);
+                            let u = (start + t * ray.direction.xy() - a).dot(along) / along.dot(along);
                             if (-1e-5..=1.00001).contains(&u) {
                                 best = Some(Hit {
                                     t,
                                     building,
                                     edge: Some(edge),
-                                    along_m: map.vertices[edge as usize].along_m
-                                        + u * along.length(),
+                                    along_m: map.vertices[edge as usize].along_m + u * along.length(),
                                     fid: record.fid,
                                 });
                             }
                         }
                     }
                     if meets_roof {
-                        let apart = (to_p.perp_dot(a - reference) >= 0.0)
-                            != (to_p.perp_dot(b - reference) >= 0.0);
-                        let between = (along.perp_dot(reference - a) >= 0.0)
-                            != (along.perp_dot(p - a) >= 0.0);
+                        let apart =
+                            (to_p.perp_dot(a - reference) >= 0.0) != (to_p.perp_dot(b - reference) >= 0.0);
+                        let between =
+                            (along.perp_dot(reference - a) >= 0.0) != (along.perp_dot(p - a) >= 0.0);
                         inside = inside != (apart && between);
                     }
                     a = b;
@@ -165,17 +163,11 @@ pub fn visit_cell(
 }
 
 fn lead(forward: [bool; 2]) -> Vec2 {
-    Vec2::new(
-        f32::from(u8::from(forward[0])),
-        f32::from(u8::from(forward[1])),
-    )
+    Vec2::new(f32::from(u8::from(forward[0])), f32::from(u8::from(forward[1])))
 }
 
 fn step(forward: [bool; 2]) -> IVec2 {
-    IVec2::new(
-        if forward[0] { 1 } else { -1 },
-        if forward[1] { 1 } else { -1 },
-    )
+    IVec2::new(if forward[0] { 1 } else { -1 }, if forward[1] { 1 } else { -1 })
 }
 
 /// First hit with what stands on a block of 2 x 2 texels.
@@ -268,11 +260,7 @@ pub fn walk_tile(
         t = t.max(t_out);
         let axis = usize::from(t_border.x > t_border.y);
         cell[axis] += step[axis];
-        let moved = if forward[axis] {
-            cell[axis]
-        } else {
-            cell[axis] + 1
-        };
+        let moved = if forward[axis] { cell[axis] } else { cell[axis] + 1 };
         if t >= t1 || moved <= 0 || moved >= 1 << (top - level) {
             break;
         }

@@ -92,8 +92,7 @@ impl BuildingMesh {
             let [a, b, c] = [corner(0), corner(1), corner(2)];
             let turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             let order = if turn >= 0.0 { [0, 1, 2] } else { [0, 2, 1] };
-            self.indices
-                .extend(order.map(|k| first + triangle[k] as u32));
+            self.indices.extend(order.map(|k| first + triangle[k] as u32));
         }
     }
 }

@@ -135,12 +135,7 @@ impl ReliefPass {
     }
 
     /// Uploads the mesh that `ReliefMode::Polygons` draws.
-    pub fn set_polygons(
-        &mut self,
-        gpu: &Gpu,
-        mesh: &BuildingMesh,
-        origin: DVec3,
-    ) -> Result<(), GpuError> {
+    pub fn set_polygons(&mut self, gpu: &Gpu, mesh: &BuildingMesh, origin: DVec3) -> Result<(), GpuError> {
         self.polygons = Some(PolygonsPass::new(gpu, &self.frame_layout, mesh, origin)?);
         Ok(())
     }
@@ -165,12 +160,7 @@ impl ReliefPass {
     ) {
         let uniforms = FrameUniforms::new(resident, view, projection, light, sample);
         let buffer = uniform_buffer(gpu, "frame", &uniforms);
-        let frame = group_of(
-            gpu,
-            "frame",
-            &self.frame_layout,
-            vec![buffer.as_entire_binding()],
-        );
+        let frame = group_of(gpu, "frame", &self.frame_layout, vec![buffer.as_entire_binding()]);
         let frustum = Frustum::new(uniforms.clip_from_eye_relative, view.eye);
         let timed = |pass: u32| timer.and_then(|timer| timer.of_pass(pass));
         self.ground

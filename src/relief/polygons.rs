@@ -43,15 +43,10 @@ impl PolygonsPass {
             .device
             .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("polygons"),
-                bind_group_layouts: &[
-                    Some(frame_layout),
-                    Some(&anchor_layout),
-                    Some(&input_layout),
-                ],
+                bind_group_layouts: &[Some(frame_layout), Some(&anchor_layout), Some(&input_layout)],
                 immediate_size: 0,
             });
-        let attributes =
-            wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Uint32, 3 => Uint32];
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Uint32, 3 => Uint32];
         let pipeline = gpu
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -83,11 +78,7 @@ impl PolygonsPass {
                 cache: None,
             });
         let buffer = |label: &'static str, bytes: &[u8], usage| {
-            gpu.require(
-                label,
-                bytes.len() as u64,
-                gpu.device.limits().max_buffer_size,
-            )?;
+            gpu.require(label, bytes.len() as u64, gpu.device.limits().max_buffer_size)?;
             Ok(gpu.device.create_buffer_init(&BufferInitDescriptor {
                 label: Some(label),
                 contents: if bytes.is_empty() { &[0; 32] } else { bytes },
@@ -135,9 +126,7 @@ impl PolygonsPass {
             gpu,
             "relief input",
             &self.input_layout,
-            vec![wgpu::BindingResource::TextureView(
-                &targets.ground_distance.view,
-            )],
+            vec![wgpu::BindingResource::TextureView(&targets.ground_distance.view)],
         );
         let mut pass = targets.begin_relief_pass(encoder, timestamps);
         pass.set_pipeline(&self.pipeline);

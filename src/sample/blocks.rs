@@ -39,7 +39,12 @@ pub struct Block {
 /// All blocks of the town.
 pub fn blocks() -> Vec<Block> {
     let mut chance = Chance::new(1);
-    let whole = rectangle(CENTRE + DVec2::new(20.0, -10.0), DVec2::from_angle(0.14), 2050.0, 1560.0);
+    let whole = rectangle(
+        CENTRE + DVec2::new(20.0, -10.0),
+        DVec2::from_angle(0.14),
+        2050.0,
+        1560.0,
+    );
     let mut rings = Vec::new();
     split(whole, 0, &mut chance, &mut rings);
     rings.retain(|ring| is_buildable(ring));
@@ -58,7 +63,11 @@ pub fn blocks() -> Vec<Block> {
             kind_of(ring, &mut chance)
         });
     }
-    rings.into_iter().zip(kinds).map(|(ring, kind)| Block { ring, kind }).collect()
+    rings
+        .into_iter()
+        .zip(kinds)
+        .map(|(ring, kind)| Block { ring, kind })
+        .collect()
 }
 
 fn split(ring: Ring, depth: u32, chance: &mut Chance, leaves: &mut Vec<Ring>) {
@@ -79,13 +88,22 @@ fn split(ring: Ring, depth: u32, chance: &mut Chance, leaves: &mut Vec<Ring>) {
     let through = middle + shift;
     let aside = across.perp() * half_street;
     split(left_of(&ring, through + aside, across), depth + 1, chance, leaves);
-    split(left_of(&ring, through - aside, -across), depth + 1, chance, leaves);
+    split(
+        left_of(&ring, through - aside, -across),
+        depth + 1,
+        chance,
+        leaves,
+    );
 }
 
 fn is_buildable(ring: &Ring) -> bool {
     let middle = centre(ring);
-    let dry = ring.iter().all(|&p| river_distance(p).abs() > river_half_width(p) + 17.0)
-        && ring.windows(2).all(|pair| river_distance(pair[0]) * river_distance(pair[1]) > 0.0);
+    let dry = ring
+        .iter()
+        .all(|&p| river_distance(p).abs() > river_half_width(p) + 17.0)
+        && ring
+            .windows(2)
+            .all(|pair| river_distance(pair[0]) * river_distance(pair[1]) > 0.0);
     ring.len() >= 3 && area(ring) > 350.0 && dry && density(middle) > 0.06 && slope(middle) < 0.34
 }
 

@@ -39,9 +39,9 @@ pub fn build(block: &Block, chance: &mut Chance, buildings: &mut Vec<SampleBuild
 /// Trees scattered over a block, one per so many square metres.
 fn grove(ring: &Ring, square_metres: f64, chance: &mut Chance, trees: &mut Vec<Tree>) {
     let Some(inner) = set_back(ring, 3.5) else { return };
-    let (low, high) = inner
-        .iter()
-        .fold((DVec2::MAX, DVec2::MIN), |(low, high), &p| (low.min(p), high.max(p)));
+    let (low, high) = inner.iter().fold((DVec2::MAX, DVec2::MIN), |(low, high), &p| {
+        (low.min(p), high.max(p))
+    });
     let count = ((high - low).element_product() / square_metres) as usize;
     for _ in 0..count {
         let at = DVec2::new(chance.between(low.x, high.x), chance.between(low.y, high.y));
@@ -61,7 +61,9 @@ fn parcels(ring: &Ring, depth: f64, width: f64, chance: &mut Chance) -> Vec<(Rin
     };
     let mut found = Vec::new();
     for ((a, b), (c, d)) in edges(ring).zip(edges(&inner)) {
-        let count = ((b - a).length() / (width * chance.between(0.85, 1.2))).round().max(1.0) as usize;
+        let count = ((b - a).length() / (width * chance.between(0.85, 1.2)))
+            .round()
+            .max(1.0) as usize;
         let mut cuts: Vec<f64> = (0..=count).map(|k| k as f64 / count as f64).collect();
         for cut in cuts.iter_mut().skip(1).take(count.saturating_sub(1)) {
             *cut += chance.between(-0.18, 0.18) / count as f64;
@@ -85,8 +87,17 @@ fn perimeter(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuildin
     if found.is_empty() || !has_yard {
         // Too small for a courtyard: one palace, with a light well where there is room.
         let storeys = chance.between(2.6, 5.4) as u32;
-        let mut palace = house(ring.clone(), storeys, 0.8, "palace", Some(longest_direction(ring)));
-        palace.holes = set_back(ring, 8.0).filter(|hole| area(hole) > 60.0).into_iter().collect();
+        let mut palace = house(
+            ring.clone(),
+            storeys,
+            0.8,
+            "palace",
+            Some(longest_direction(ring)),
+        );
+        palace.holes = set_back(ring, 8.0)
+            .filter(|hole| area(hole) > 60.0)
+            .into_iter()
+            .collect();
         if !palace.holes.is_empty() {
             palace.ridge = None;
         }
@@ -98,7 +109,13 @@ fn perimeter(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuildin
             continue; // a gap in the row
         }
         let storeys = (usual + chance.between(-1.4, 1.3)).round().max(2.0) as u32;
-        buildings.push(house(quad, storeys, chance.between(0.0, 1.1), "town house", Some(street)));
+        buildings.push(house(
+            quad,
+            storeys,
+            chance.between(0.0, 1.1),
+            "town house",
+            Some(street),
+        ));
     }
     if let Some(yard) = set_back(ring, depth + 4.0) {
         if area(&yard) > 500.0 && chance.happens(0.6) {
@@ -124,7 +141,13 @@ fn row_houses(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuildi
             let along = 11.0 + 6.6 * (k as f64 + 0.5);
             let step = 0.9 * f64::from(u8::from(k % 4 == 2));
             let middle = a + street * along + street.perp() * (4.8 + step);
-            buildings.push(house(rectangle(middle, street, 6.6, 9.6), storeys, 0.4, "terrace", Some(street)));
+            buildings.push(house(
+                rectangle(middle, street, 6.6, 9.6),
+                storeys,
+                0.4,
+                "terrace",
+                Some(street),
+            ));
         }
     }
     if let Some(gardens) = set_back(ring, 17.0) {
@@ -156,7 +179,13 @@ fn villas(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
             ];
             buildings.push(house(ell, storeys, extra, "villa", Some(turned)));
         } else {
-            buildings.push(house(rectangle(middle, turned, length, width), storeys, extra, "villa", Some(turned)));
+            buildings.push(house(
+                rectangle(middle, turned, length, width),
+                storeys,
+                extra,
+                "villa",
+                Some(turned),
+            ));
         }
         if chance.happens(0.3) {
             let shed = middle + street * 0.5 * (length + 7.0) + street.perp() * 3.0;
@@ -164,7 +193,10 @@ fn villas(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
         }
         for _ in 0..2 {
             let at = middle + DVec2::from_angle(chance.between(0.0, 6.28)) * chance.between(8.5, 11.5);
-            trees.push(Tree { at, radius: chance.between(1.6, 3.6) });
+            trees.push(Tree {
+                at,
+                radius: chance.between(1.6, 3.6),
+            });
         }
     }
     if let Some(gardens) = set_back(ring, 26.0) {
@@ -177,7 +209,13 @@ fn towers(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
     let middle = centre(ring);
     if chance.happens(0.5) {
         let storeys = chance.between(8.0, 14.0) as u32;
-        buildings.push(house(rectangle(middle, direction, 21.0, 19.0), storeys, 1.5, "tower", None));
+        buildings.push(house(
+            rectangle(middle, direction, 21.0, 19.0),
+            storeys,
+            1.5,
+            "tower",
+            None,
+        ));
         let lift = rectangle(middle, direction, 6.0, 5.0);
         buildings.push(house(lift, storeys, 5.0, "lift house", None));
     } else {
@@ -194,10 +232,16 @@ fn works(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>) 
     let direction = longest_direction(ring);
     let Some(yard) = set_back(ring, 7.0) else { return };
     let size = area(&yard).sqrt();
-    let hall = rectangle(centre(&yard) + direction.perp() * 0.16 * size, direction, 0.9 * size, 0.42 * size);
+    let hall = rectangle(
+        centre(&yard) + direction.perp() * 0.16 * size,
+        direction,
+        0.9 * size,
+        0.42 * size,
+    );
     buildings.push(house(hall, 1, chance.between(4.5, 8.0), "hall", Some(direction)));
     for k in 0..3 {
-        let at = centre(&yard) - direction.perp() * 0.30 * size + direction * (f64::from(k) - 1.0) * 0.3 * size;
+        let at =
+            centre(&yard) - direction.perp() * 0.30 * size + direction * (f64::from(k) - 1.0) * 0.3 * size;
         let shed = rectangle(at, direction, 0.22 * size, 0.18 * size);
         buildings.push(house(shed, 1, chance.between(0.5, 3.0), "shed", None));
     }
@@ -214,17 +258,41 @@ fn square(ring: &Ring, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree
     // A church: nave, transept and apse are one cross; the bell tower stands beside it.
     let at = |u: f64, v: f64| middle + nave * u + across * v;
     let mut cross = vec![
-        at(-24.0, -6.5), at(4.0, -6.5), at(4.0, -13.0), at(14.0, -13.0), at(14.0, -6.5), at(20.0, -6.5),
+        at(-24.0, -6.5),
+        at(4.0, -6.5),
+        at(4.0, -13.0),
+        at(14.0, -13.0),
+        at(14.0, -6.5),
+        at(20.0, -6.5),
     ];
     cross.extend((0..=8).map(|k| {
         let turn = (f64::from(k) / 8.0 - 0.5) * std::f64::consts::PI;
         at(20.0 + 6.5 * turn.cos(), 6.5 * turn.sin())
     }));
-    cross.extend([at(20.0, 6.5), at(14.0, 6.5), at(14.0, 13.0), at(4.0, 13.0), at(4.0, 6.5), at(-24.0, 6.5)]);
+    cross.extend([
+        at(20.0, 6.5),
+        at(14.0, 6.5),
+        at(14.0, 13.0),
+        at(4.0, 13.0),
+        at(4.0, 6.5),
+        at(-24.0, 6.5),
+    ]);
     cross.dedup_by(|a, b| a.distance(*b) < 0.01);
     buildings.push(house(cross, 1, 14.5, "church", Some(nave)));
-    buildings.push(house(rectangle(at(-21.0, 11.5), nave, 7.0, 7.0), 1, 38.0, "bell tower", None));
-    buildings.push(house(round(at(9.0, 0.0), 6.0, 24), 1, 23.0, "crossing dome", None));
+    buildings.push(house(
+        rectangle(at(-21.0, 11.5), nave, 7.0, 7.0),
+        1,
+        38.0,
+        "bell tower",
+        None,
+    ));
+    buildings.push(house(
+        round(at(9.0, 0.0), 6.0, 24),
+        1,
+        23.0,
+        "crossing dome",
+        None,
+    ));
     if let Some(edge) = set_back(ring, 4.0) {
         for (a, b) in edges(&edge) {
             let count = ((b - a).length() / 11.0) as usize;
@@ -244,9 +312,21 @@ fn castle(ring: &Ring, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree
     keep.holes = set_back(&outer, 9.0).into_iter().collect();
     buildings.push(keep);
     for (k, corner) in outer.iter().enumerate() {
-        buildings.push(house(round(*corner, 6.5, 20), 4, 3.0 + k as f64, "castle tower", None));
+        buildings.push(house(
+            round(*corner, 6.5, 20),
+            4,
+            3.0 + k as f64,
+            "castle tower",
+            None,
+        ));
     }
-    buildings.push(house(rectangle(middle + direction * 20.0, direction, 11.0, 11.0), 7, 6.0, "keep", None));
+    buildings.push(house(
+        rectangle(middle + direction * 20.0, direction, 11.0, 11.0),
+        7,
+        6.0,
+        "keep",
+        None,
+    ));
     grove(ring, 150.0, chance, trees);
 }
 

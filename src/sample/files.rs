@@ -105,7 +105,10 @@ fn write_terrain(path: &Path) -> Result<(), SourceError> {
         .into_par_iter()
         .map(|k| {
             let (column, row) = ((k % size[0]) as f64 + 0.5, (k / size[0]) as f64 + 0.5);
-            let metres = ground(DVec2::new(column * TERRAIN_PIXEL_M, HEIGHT_M - row * TERRAIN_PIXEL_M));
+            let metres = ground(DVec2::new(
+                column * TERRAIN_PIXEL_M,
+                HEIGHT_M - row * TERRAIN_PIXEL_M,
+            ));
             // A survey's centimetres.
             ((metres * 100.0).round() / 100.0) as f32
         })
@@ -115,7 +118,8 @@ fn write_terrain(path: &Path) -> Result<(), SourceError> {
     let dataset = create_tiff::<f32>(path, corner, TERRAIN_PIXEL_M, size, 1, &options)?;
     let mut band = dataset.rasterband(1).map_err(write_error(path))?;
     let mut buffer = Buffer::new((size[0], size[1]), heights);
-    band.write((0, 0), (size[0], size[1]), &mut buffer).map_err(write_error(path))?;
+    band.write((0, 0), (size[0], size[1]), &mut buffer)
+        .map_err(write_error(path))?;
     drop(band);
     dataset.close().map_err(write_error(path))
 }
@@ -127,13 +131,19 @@ fn write_photo(path: &Path, town: &Town, tile: [usize; 2]) -> Result<(), SourceE
     let north = (tile[1] + 1) as f64 * height_m;
     let rgb = paint(town, west, north, size, PHOTO_PIXEL_M);
     let corner = [ORIGIN.x + west, ORIGIN.y + north];
-    let options = ["COMPRESS=JPEG", "JPEG_QUALITY=92", "PHOTOMETRIC=YCBCR", "TILED=YES"];
+    let options = [
+        "COMPRESS=JPEG",
+        "JPEG_QUALITY=92",
+        "PHOTOMETRIC=YCBCR",
+        "TILED=YES",
+    ];
     let dataset = create_tiff::<u8>(path, corner, PHOTO_PIXEL_M, size, 3, &options)?;
     for channel in 0..3 {
         let values: Vec<u8> = rgb.iter().skip(channel).step_by(3).copied().collect();
         let mut band = dataset.rasterband(channel + 1).map_err(write_error(path))?;
         let mut buffer = Buffer::new((size[0], size[1]), values);
-        band.write((0, 0), (size[0], size[1]), &mut buffer).map_err(write_error(path))?;
+        band.write((0, 0), (size[0], size[1]), &mut buffer)
+            .map_err(write_error(path))?;
     }
     dataset.close().map_err(write_error(path))
 }
@@ -186,6 +196,9 @@ fn wkt_of(building: &SampleBuilding) -> String {
             .collect();
         format!("({})", texts.join(","))
     };
-    let rings: Vec<String> = std::iter::once(&building.ring).chain(&building.holes).map(|points| ring(points)).collect();
+    let rings: Vec<String> = std::iter::once(&building.ring)
+        .chain(&building.holes)
+        .map(|points| ring(points))
+        .collect();
     format!("POLYGON({})", rings.join(","))
 }

@@ -52,7 +52,12 @@ pub fn ground(p: DVec2) -> f64 {
     let valley = water_level(p) + 4.2 + steep * (0.034 * away + 5.2e-5 * away * away);
     let hills = (away / 420.0).min(1.5) * 26.0 * fractal_noise(p.x / 620.0, p.y / 620.0, 11);
     let knolls = (away / 150.0).min(1.0) * 1.6 * value_noise(p.x / 85.0, p.y / 85.0, 29);
-    let castle_hill = 38.0 * smoothstep(250.0, 55.0, p.distance(CASTLE) + 18.0 * value_noise(p.x / 60.0, p.y / 60.0, 5));
+    let castle_hill = 38.0
+        * smoothstep(
+            250.0,
+            55.0,
+            p.distance(CASTLE) + 18.0 * value_noise(p.x / 60.0, p.y / 60.0, 5),
+        );
     let land = valley + hills + knolls + castle_hill;
     let bed = water_level(p) - 1.2 * (1.0 - (distance / half_width).powi(2)).max(0.0);
     let bank = smoothstep(half_width - 2.0, half_width + 13.0, distance.abs());

@@ -27,8 +27,19 @@ fn rgb(r: u8, g: u8, b: u8) -> DVec3 {
 fn roads() -> Vec<Vec<DVec2>> {
     let at = |x: f64, y: f64| DVec2::new(x, y);
     vec![
-        vec![at(870.0, 0.0), at(930.0, 240.0), at(1000.0, 430.0), river_point(1015.0), at(1030.0, 900.0)],
-        vec![at(1840.0, 0.0), at(1640.0, 300.0), river_point(1490.0), at(1440.0, 900.0)],
+        vec![
+            at(870.0, 0.0),
+            at(930.0, 240.0),
+            at(1000.0, 430.0),
+            river_point(1015.0),
+            at(1030.0, 900.0),
+        ],
+        vec![
+            at(1840.0, 0.0),
+            at(1640.0, 300.0),
+            river_point(1490.0),
+            at(1440.0, 900.0),
+        ],
         vec![at(0.0, 1010.0), at(330.0, 985.0), at(620.0, 1015.0)],
         vec![at(1900.0, 1000.0), at(2180.0, 1080.0), at(2560.0, 1010.0)],
         vec![at(1330.0, 1480.0), at(1420.0, 1760.0), at(1330.0, 2048.0)],
@@ -56,7 +67,9 @@ pub fn paint(town: &Town, west: f64, north: f64, size: [usize; 2], pixel_m: f64)
     }
     for block in &town.blocks {
         if let Some(pavement) = set_back(&block.ring, -1.7) {
-            canvas.fill(&[pavement], |p| Some(rgb(158, 154, 147) + DVec3::splat(5.0 * grain(p))));
+            canvas.fill(&[pavement], |p| {
+                Some(rgb(158, 154, 147) + DVec3::splat(5.0 * grain(p)))
+            });
         }
         canvas.fill(std::slice::from_ref(&block.ring), |p| Some(yard(block.kind, p)));
     }
@@ -69,7 +82,11 @@ pub fn paint(town: &Town, west: f64, north: f64, size: [usize; 2], pixel_m: f64)
     canvas
         .pixels
         .iter()
-        .flat_map(|colour| colour.to_array().map(|value| value.round().clamp(0.0, 255.0) as u8))
+        .flat_map(|colour| {
+            colour
+                .to_array()
+                .map(|value| value.round().clamp(0.0, 255.0) as u8)
+        })
         .collect()
 }
 
@@ -92,10 +109,18 @@ fn yard(kind: BlockKind, p: DVec2) -> DVec3 {
     match kind {
         BlockKind::Square => {
             // Setts in a grid of paler bands.
-            let band = (p.x * 0.97 + p.y * 0.24).rem_euclid(9.0) < 0.8 || (p.y * 0.97 - p.x * 0.24).rem_euclid(9.0) < 0.8;
-            if band { rgb(196, 186, 168) } else { rgb(170, 152, 130) + DVec3::splat(5.0 * grain(p)) }
+            let band = (p.x * 0.97 + p.y * 0.24).rem_euclid(9.0) < 0.8
+                || (p.y * 0.97 - p.x * 0.24).rem_euclid(9.0) < 0.8;
+            if band {
+                rgb(196, 186, 168)
+            } else {
+                rgb(170, 152, 130) + DVec3::splat(5.0 * grain(p))
+            }
         }
-        BlockKind::Perimeter => paving.lerp(lawn, (0.5 + 1.2 * value_noise(p.x / 22.0, p.y / 22.0, 10)).clamp(0.0, 1.0)),
+        BlockKind::Perimeter => paving.lerp(
+            lawn,
+            (0.5 + 1.2 * value_noise(p.x / 22.0, p.y / 22.0, 10)).clamp(0.0, 1.0),
+        ),
         BlockKind::Works => rgb(150, 146, 138) + DVec3::splat(9.0 * mottle + 5.0 * grain(p)),
         BlockKind::Castle => rgb(150, 144, 108).lerp(lawn, (0.5 + mottle).clamp(0.0, 1.0)),
         _ => lawn,
@@ -151,10 +176,18 @@ impl Canvas {
         let columns = (self.size[0] as f64 * self.pixel_m / STEP) as usize + 2;
         let rows = (self.size[1] as f64 * self.pixel_m / STEP) as usize + 2;
         let coarse: Vec<f64> = (0..columns * rows)
-            .map(|k| woods(DVec2::new(self.west, self.north) + DVec2::new((k % columns) as f64, -((k / columns) as f64)) * STEP))
+            .map(|k| {
+                woods(
+                    DVec2::new(self.west, self.north)
+                        + DVec2::new((k % columns) as f64, -((k / columns) as f64)) * STEP,
+                )
+            })
             .collect();
         let wooded = |column: usize, row: usize| {
-            let (x, y) = ((column as f64 + 0.5) * self.pixel_m / STEP, (row as f64 + 0.5) * self.pixel_m / STEP);
+            let (x, y) = (
+                (column as f64 + 0.5) * self.pixel_m / STEP,
+                (row as f64 + 0.5) * self.pixel_m / STEP,
+            );
             let (i, j) = (x as usize, y as usize);
             let at = |di: usize, dj: usize| coarse[(j + dj) * columns + i + di];
             let top = at(0, 0) + (at(1, 0) - at(0, 0)) * x.fract();
@@ -173,7 +206,8 @@ impl Canvas {
                 } else if away < 4.0 {
                     rgb(158, 150, 128) + DVec3::splat(8.0 * grain(p))
                 } else if away < 22.0 {
-                    rgb(102, 120, 64) + DVec3::splat(8.0 * value_noise(p.x / 7.0, p.y / 7.0, 32) + 6.0 * grain(p))
+                    rgb(102, 120, 64)
+                        + DVec3::splat(8.0 * value_noise(p.x / 7.0, p.y / 7.0, 32) + 6.0 * grain(p))
                 } else {
                     let forest_floor = rgb(62, 76, 42) + DVec3::splat(10.0 * grain(p));
                     field(p).lerp(forest_floor, (2.0 * wooded(column, row)).min(1.0))
@@ -193,7 +227,11 @@ impl Canvas {
         let points = || rings.iter().flatten();
         let top = points().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
         let low = points().map(|p| p.y).fold(f64::INFINITY, f64::min);
-        let row_of = |y: f64| ((self.north - y) / self.pixel_m - 0.5).ceil().clamp(0.0, self.size[1] as f64) as usize;
+        let row_of = |y: f64| {
+            ((self.north - y) / self.pixel_m - 0.5)
+                .ceil()
+                .clamp(0.0, self.size[1] as f64) as usize
+        };
         for row in row_of(top)..row_of(low) {
             let y = self.point(0, row).y;
             let mut crossings: Vec<f64> = rings
@@ -204,7 +242,11 @@ impl Canvas {
                 .collect();
             crossings.sort_by(f64::total_cmp);
             for span in crossings.chunks_exact(2) {
-                let column_of = |x: f64| ((x - self.west) / self.pixel_m - 0.5).ceil().clamp(0.0, self.size[0] as f64) as usize;
+                let column_of = |x: f64| {
+                    ((x - self.west) / self.pixel_m - 0.5)
+                        .ceil()
+                        .clamp(0.0, self.size[0] as f64) as usize
+                };
                 for column in column_of(span[0])..column_of(span[1]) {
                     let index = row * self.size[0] + column;
                     if let Some(colour) = colour(self.point(column, row), self.pixels[index]) {
@@ -219,9 +261,13 @@ impl Canvas {
         for pair in line.windows(2) {
             let aside = (pair[1] - pair[0]).normalize_or(DVec2::X).perp() * half_width;
             let strip = vec![pair[0] - aside, pair[1] - aside, pair[1] + aside, pair[0] + aside];
-            self.fill(&[strip], |p| dry(p).then(|| colour + DVec3::splat(5.0 * grain(p))));
+            self.fill(&[strip], |p| {
+                dry(p).then(|| colour + DVec3::splat(5.0 * grain(p)))
+            });
             let joint = super::shapes::round(pair[1], half_width, 12);
-            self.fill(&[joint], |p| dry(p).then(|| colour + DVec3::splat(5.0 * grain(p))));
+            self.fill(&[joint], |p| {
+                dry(p).then(|| colour + DVec3::splat(5.0 * grain(p)))
+            });
         }
     }
 
@@ -247,7 +293,11 @@ impl Canvas {
                 let cell = DVec2::new(along.dot(q), along.perp().dot(q)) / 4.6;
                 let plant = lattice(cell.x.floor() as i64, cell.y.floor() as i64, (tint * 1e6) as u64);
                 let box_here = plant > 0.9 && (cell - cell.floor() - 0.5).abs().max_element() < 0.28;
-                let lift = if box_here && building.kind != "bridge" { 34.0 } else { 0.0 };
+                let lift = if box_here && building.kind != "bridge" {
+                    34.0
+                } else {
+                    0.0
+                };
                 Some(base + DVec3::splat(lift + 4.0 * grain(p)))
             });
             return;
@@ -260,14 +310,19 @@ impl Canvas {
         };
         // Two slopes, one to the sun and one away from it, and courses of tiles along the ridge.
         let across = ridge.perp();
-        let reach = building.ring.iter().map(|p| (*p - middle).dot(across).abs()).fold(0.1, f64::max);
+        let reach = building
+            .ring
+            .iter()
+            .map(|p| (*p - middle).dot(across).abs())
+            .fold(0.1, f64::max);
         let sun = DVec2::new(-0.71, -0.71);
         self.fill(&rings, |p| {
             let v = (p - middle).dot(across);
             let facing = across.dot(sun) * v.signum();
             let ridge_line = if v.abs() < 0.35 { 14.0 } else { 0.0 };
             let courses = 3.5 * (v * 7.0).sin();
-            let weather = 8.0 * value_noise(p.x / 5.0, p.y / 5.0, 53) - 10.0 * (v.abs() / reach - 0.7).max(0.0);
+            let weather =
+                8.0 * value_noise(p.x / 5.0, p.y / 5.0, 53) - 10.0 * (v.abs() / reach - 0.7).max(0.0);
             Some(base * (1.0 + 0.13 * facing) + DVec3::splat(ridge_line + courses + weather + 5.0 * grain(p)))
         });
     }
@@ -276,7 +331,10 @@ impl Canvas {
         let tint = lattice((at.x * 8.0) as i64, (at.y * 8.0) as i64, 61);
         let leaf = rgb(58, 78, 38).lerp(rgb(92, 108, 54), tint);
         let crown = super::shapes::round(at, radius * 1.15, 14);
-        let shade = crown.iter().map(|p| *p + DVec2::new(0.9, 0.9) * (radius * 0.35)).collect();
+        let shade = crown
+            .iter()
+            .map(|p| *p + DVec2::new(0.9, 0.9) * (radius * 0.35))
+            .collect();
         self.repaint(&[shade], |_, before| Some(before * 0.72));
         self.fill(&[crown], |p| {
             let q = (p - at) / radius;

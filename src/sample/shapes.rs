@@ -38,7 +38,9 @@ pub fn left_of(ring: &[DVec2], point: DVec2, direction: DVec2) -> Ring {
 
 /// The direction of the longest edge.
 pub fn longest_direction(ring: &[DVec2]) -> DVec2 {
-    let longest = edges(ring).map(|(a, b)| b - a).max_by(|a, b| a.length().total_cmp(&b.length()));
+    let longest = edges(ring)
+        .map(|(a, b)| b - a)
+        .max_by(|a, b| a.length().total_cmp(&b.length()));
     longest.unwrap_or(DVec2::X).normalize_or(DVec2::X)
 }
 

@@ -43,10 +43,7 @@ mod tests {
             look: DVec3::new(0.0, 100.0, 40.0),
             fov_y: 1.0,
         };
-        let frustum = Frustum::new(
-            view.projection([160, 90]).clip_from_eye_relative(),
-            view.eye,
-        );
+        let frustum = Frustum::new(view.projection([160, 90]).clip_from_eye_relative(), view.eye);
         let at = |south: f64| Bounds {
             west: -5.0,
             south,

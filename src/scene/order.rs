@@ -38,14 +38,7 @@ mod tests {
         };
         let tiles: Vec<TileId> = grid.tiles().collect();
         let order = nearest_first(&grid, &tiles, DVec2::new(23.0, 31.0));
-        assert_eq!(
-            tiles[order[0]],
-            TileId {
-                level: 0,
-                x: 2,
-                y: 3
-            }
-        );
+        assert_eq!(tiles[order[0]], TileId { level: 0, x: 2, y: 3 });
         assert_eq!(order.len(), 25);
     }
 }

@@ -21,8 +21,7 @@ pub fn photo_mips(rgba: Vec<u8>, side: usize) -> Vec<Vec<u8>> {
                     sums[3] += alpha;
                 }
                 let weight = sums[3].max(1);
-                level
-                    .extend([0, 1, 2].map(|channel| ((sums[channel] + weight / 2) / weight) as u8));
+                level.extend([0, 1, 2].map(|channel| ((sums[channel] + weight / 2) / weight) as u8));
                 level.push((sums[3] / 4) as u8);
             }
         }

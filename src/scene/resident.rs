@@ -224,9 +224,7 @@ fn load_ground(
             let first = indices.len() as u32;
             match mesh {
                 TerrainMesh::Tin => indices.extend(terrain.triangles.iter().flatten()),
-                TerrainMesh::Grid => {
-                    indices.extend(grid_triangles(&terrain.ground).iter().flatten())
-                }
+                TerrainMesh::Grid => indices.extend(grid_triangles(&terrain.ground).iter().flatten()),
             }
             records.push(GroundTile {
                 tile: [tile.x as i32, tile.y as i32],
@@ -437,18 +435,10 @@ fn flush(gpu: &Gpu) -> Result<(), GpuError> {
     gpu.wait()
 }
 
-fn table_texture(
-    gpu: &Gpu,
-    grid: &TileGrid,
-    table: &[[i32; 2]],
-) -> Result<wgpu::TextureView, GpuError> {
+fn table_texture(gpu: &Gpu, grid: &TileGrid, table: &[[i32; 2]]) -> Result<wgpu::TextureView, GpuError> {
     use wgpu::util::{DeviceExt, TextureDataOrder};
     let most = u64::from(gpu.device.limits().max_texture_dimension_2d);
-    gpu.require(
-        "the tile grid",
-        u64::from(grid.columns.max(grid.rows)),
-        most,
-    )?;
+    gpu.require("the tile grid", u64::from(grid.columns.max(grid.rows)), most)?;
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {

@@ -54,9 +54,9 @@ impl HeightRule {
     pub fn field(&self) -> Option<&str> {
         match self {
             Self::Default => None,
-            Self::Height { field }
-            | Self::Storeys { field, .. }
-            | Self::RoofElevation { field } => Some(field),
+            Self::Height { field } | Self::Storeys { field, .. } | Self::RoofElevation { field } => {
+                Some(field)
+            }
         }
     }
 
@@ -67,9 +67,9 @@ impl HeightRule {
         match self {
             Self::Default => None,
             Self::Height { .. } => (metres > 0.0).then_some(RoofSpec::HeightAboveBase(metres)),
-            Self::Storeys {
-                storey_height_m, ..
-            } => (metres > 0.0).then_some(RoofSpec::HeightAboveBase(metres * storey_height_m)),
+            Self::Storeys { storey_height_m, .. } => {
+                (metres > 0.0).then_some(RoofSpec::HeightAboveBase(metres * storey_height_m))
+            }
             Self::RoofElevation { .. } => Some(RoofSpec::Elevation(metres)),
         }
     }
@@ -129,9 +129,6 @@ mod tests {
         let roof = HeightRule::RoofElevation {
             field: "z".to_owned(),
         };
-        assert_eq!(
-            roof.roof_from_text(Some("-2")),
-            Some(RoofSpec::Elevation(-2.0))
-        );
+        assert_eq!(roof.roof_from_text(Some("-2")), Some(RoofSpec::Elevation(-2.0)));
     }
 }

@@ -88,9 +88,6 @@ impl Bounds {
 
     /// The middle.
     pub fn centre(&self) -> DVec2 {
-        DVec2::new(
-            0.5 * (self.west + self.east),
-            0.5 * (self.south + self.north),
-        )
+        DVec2::new(0.5 * (self.west + self.east), 0.5 * (self.south + self.north))
     }
 }

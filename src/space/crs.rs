@@ -174,8 +174,7 @@ impl Crs {
             reference
                 .axis_orientation("PROJCS", axis)
                 .is_ok_and(|orientation| {
-                    orientation == axis_orientation::OAO_West
-                        || orientation == axis_orientation::OAO_South
+                    orientation == axis_orientation::OAO_West || orientation == axis_orientation::OAO_South
                 })
         });
         let metres = (reference.linear_units() - 1.0).abs() < 1e-9;
@@ -208,9 +207,7 @@ fn height_unit(reference: &SpatialRef) -> Option<f64> {
     if !reference.is_compound() {
         return None;
     }
-    let unit = reference
-        .get_attr_value("COMPD_CS|VERT_CS|UNIT", 1)
-        .ok()??;
+    let unit = reference.get_attr_value("COMPD_CS|VERT_CS|UNIT", 1).ok()??;
     unit.parse().ok().filter(|metres: &f64| *metres > 0.0)
 }
 

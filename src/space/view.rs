@@ -65,8 +65,7 @@ impl Projection {
         let ndc_x = 2.0 * (f64::from(column) + 0.5 + self.jitter.x) / width - 1.0;
         let ndc_y = 1.0 - 2.0 * (f64::from(row) + 0.5 + self.jitter.y) / height;
         let tan = self.tan_half_fov_y;
-        (self.forward + self.right * (ndc_x * tan * self.aspect()) + self.up * (ndc_y * tan))
-            .normalize()
+        (self.forward + self.right * (ndc_x * tan * self.aspect()) + self.up * (ndc_y * tan)).normalize()
     }
 
     /// Clip space from eye-relative world: reversed-Z with an infinite far plane

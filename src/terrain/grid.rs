@@ -10,10 +10,7 @@ pub fn grid_triangles(tile: &HeightTile) -> Vec<[u32; 3]> {
         for i in 0..side - 1 {
             let corner = |di: usize, dj: usize| (j + dj) * side + i + di;
             let corners = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-            if corners
-                .iter()
-                .any(|&corner| !tile.heights[corner].is_finite())
-            {
+            if corners.iter().any(|&corner| !tile.heights[corner].is_finite()) {
                 continue;
             }
             let [a, b, c, d] = corners.map(|corner| corner as u32);

@@ -42,15 +42,9 @@ impl HeightTile {
 
     /// Lowest and highest sample, metres; none without ground.
     pub fn range(&self) -> Option<[f32; 2]> {
-        let valid = self
-            .heights
-            .iter()
-            .copied()
-            .filter(|height| height.is_finite());
+        let valid = self.heights.iter().copied().filter(|height| height.is_finite());
         valid.fold(None, |range: Option<[f32; 2]>, height| {
-            Some(range.map_or([height; 2], |[low, high]| {
-                [low.min(height), high.max(height)]
-            }))
+            Some(range.map_or([height; 2], |[low, high]| [low.min(height), high.max(height)]))
         })
     }
 }

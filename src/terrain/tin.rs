@@ -187,9 +187,7 @@ impl Network<'_> {
                 let (i, j) = (middle(|corner| corner.i), middle(|corner| corner.j));
                 known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1)
             })
-            .map(|corners| {
-                corners.map(|corner| u32::from(corner.j) * side as u32 + u32::from(corner.i))
-            })
+            .map(|corners| corners.map(|corner| u32::from(corner.j) * side as u32 + u32::from(corner.i)))
             .collect()
     }
 }
@@ -228,8 +226,7 @@ fn worst_sample(tile: &HeightTile, corners: [Sample; 3], tolerance_m: f32) -> Op
         let base = z[0] + slope_y * (row as f64 - y[0]) - slope_x * x[0];
         for column in (from - 1e-9).ceil() as usize..=(to + 1e-9).floor() as usize {
             let sample = row * tile.side + column;
-            let error =
-                (f64::from(tile.heights[sample]) - base - slope_x * column as f64).abs() as f32;
+            let error = (f64::from(tile.heights[sample]) - base - slope_x * column as f64).abs() as f32;
             if error > worst.map_or(tolerance_m, |(error, _)| error) {
                 worst = Some((error, sample as u32));
             }

@@ -107,8 +107,7 @@ impl Dtm {
             .ok_or_else(|| SourceError::Unfit {
                 path: sheet.files[0].clone(),
                 what: "lies outside the area of its own coordinate reference system".to_owned(),
-                advice: "check its georeference, or name the right CRS with --terrain-crs EPSG:n"
-                    .to_owned(),
+                advice: "check its georeference, or name the right CRS with --terrain-crs EPSG:n".to_owned(),
             })
     }
 
@@ -185,12 +184,9 @@ impl Sheet {
                 "add a world file or assign one with gdal_edit.py -a_ullr",
             )
         })?;
-        let pixel_from_ground = ground_from_pixel.invert().map_err(|_| {
-            unfit(
-                "has a georeference of zero area",
-                "mend it with gdal_edit.py",
-            )
-        })?;
+        let pixel_from_ground = ground_from_pixel
+            .invert()
+            .map_err(|_| unfit("has a georeference of zero area", "mend it with gdal_edit.py"))?;
         let crs = match dataset.spatial_ref() {
             Ok(reference) => Crs::from_gdal(reference).map_err(|source| SourceError::Crs {
                 path: path.to_owned(),
@@ -235,12 +231,8 @@ impl Sheet {
             self.bounds.include(x, y);
         }
         let (x0, y0) = self.ground_from_pixel.apply(0.5 * width, 0.5 * height);
-        let (x1, y1) = self
-            .ground_from_pixel
-            .apply(0.5 * width + 1.0, 0.5 * height);
-        let (x2, y2) = self
-            .ground_from_pixel
-            .apply(0.5 * width, 0.5 * height + 1.0);
+        let (x1, y1) = self.ground_from_pixel.apply(0.5 * width + 1.0, 0.5 * height);
+        let (x2, y2) = self.ground_from_pixel.apply(0.5 * width, 0.5 * height + 1.0);
         let reference = self.crs.reference().map_err(|s| self.crs_error(s))?;
         let scale = if reference.is_geographic() {
             let metres = reference.semi_major().unwrap_or(6_378_137.0) * reference.angular_units();
@@ -274,10 +266,7 @@ impl Sheet {
         let (width, height) = mosaic.raster_size();
         self.size = [width, height];
         self.ground_from_pixel = mosaic.geo_transform().map_err(|e| self.read_error(&e))?;
-        self.pixel_from_ground = self
-            .ground_from_pixel
-            .invert()
-            .map_err(|e| self.read_error(&e))?;
+        self.pixel_from_ground = self.ground_from_pixel.invert().map_err(|e| self.read_error(&e))?;
         self.measure()
     }
 
@@ -373,13 +362,7 @@ impl SheetSampler {
     /// Pixel coordinates of every lattice sample. The transformation is exact on every 16th sample counted
     /// from the grid's corner and linear between (off by L²/8R, 0.1 mm for 64 m), so that it depends on the
     /// place alone and neighbours agree on their common border.
-    fn pixel_coordinates(
-        &self,
-        origin: DVec2,
-        step: f64,
-        first: [i64; 2],
-        size: [usize; 2],
-    ) -> Vec<DVec2> {
+    fn pixel_coordinates(&self, origin: DVec2, step: f64, first: [i64; 2], size: [usize; 2]) -> Vec<DVec2> {
         let to_pixel = |point: DVec2| {
             let (column, row) = self.sheet.pixel_from_ground.apply(point.x, point.y);
             DVec2::new(column, row)
@@ -387,10 +370,7 @@ impl SheetSampler {
         if self.file_from_city.is_identity() {
             return (0..size[0] * size[1])
                 .map(|k| {
-                    let (i, j) = (
-                        first[0] + (k % size[0]) as i64,
-                        first[1] + (k / size[0]) as i64,
-                    );
+                    let (i, j) = (first[0] + (k % size[0]) as i64, first[1] + (k / size[0]) as i64);
                     to_pixel(origin + DVec2::new(i as f64, j as f64) * step)
                 })
                 .collect();
@@ -417,8 +397,8 @@ impl SheetSampler {
         (0..size[0] * size[1])
             .map(|k| {
                 let split = |index: usize, axis: usize| {
-                    let along = (first[axis] + index as i64 - node_first[axis]) as f64
-                        / TRANSFORM_STEP as f64;
+                    let along =
+                        (first[axis] + index as i64 - node_first[axis]) as f64 / TRANSFORM_STEP as f64;
                     (along.floor() as usize, along.fract())
                 };
                 let (i, fx) = split(k % size[0], 0);
@@ -462,9 +442,7 @@ impl SheetSampler {
             .iter()
             .map(|&value| {
                 let metres = value * self.scale + self.offset;
-                let missing = self
-                    .no_data
-                    .is_some_and(|no_data| is_no_data(value, no_data));
+                let missing = self.no_data.is_some_and(|no_data| is_no_data(value, no_data));
                 if missing || !BELIEVABLE_M.contains(&metres) {
                     f32::NAN
                 } else {

@@ -28,11 +28,7 @@ struct PhotoFile {
 
 impl Photos {
     /// Opens the headers; `city` is the CRS the photos will be drawn in.
-    pub fn open(
-        files: &[PathBuf],
-        assumed_crs: Option<&Crs>,
-        city: &Crs,
-    ) -> Result<Self, SourceError> {
+    pub fn open(files: &[PathBuf], assumed_crs: Option<&Crs>, city: &Crs) -> Result<Self, SourceError> {
         let files = files
             .iter()
             .map(|path| PhotoFile::open(path, assumed_crs, city))
@@ -150,9 +146,8 @@ impl PhotoFile {
             city.label().into(),
         ]);
         options.push("-te".into());
-        options.extend(
-            [bounds.west, bounds.south, bounds.east, bounds.north].map(|edge| format!("{edge:.9}")),
-        );
+        options
+            .extend([bounds.west, bounds.south, bounds.east, bounds.north].map(|edge| format!("{edge:.9}")));
         options.extend(["-ts".into(), side.to_string(), side.to_string()]);
         let method = if pixel_m > 1.5 * self.pixel_m {
             "average"
@@ -170,10 +165,7 @@ impl PhotoFile {
             band.read_band_as::<f32>().map_err(gdal_error)
         };
         let alpha = read(band_count)?;
-        let [low, high] = self
-            .stretch
-            .unwrap_or([0.0, 255.0])
-            .map(|value| value as f32);
+        let [low, high] = self.stretch.unwrap_or([0.0, 255.0]).map(|value| value as f32);
         let alpha_full = alpha.data().iter().copied().fold(1.0_f32, f32::max);
         for channel in 0..3 {
             let band = read(1 + channel.min(colours - 1))?;

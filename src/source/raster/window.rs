@@ -20,9 +20,8 @@ impl Window {
         let [width, height] = self.size;
         // A hair of tolerance: transformed points land a rounding error outside the raster.
         const SLACK: f64 = 1e-6;
-        let inside = |value: f64, count: usize| {
-            value >= -0.5 - SLACK && value <= (count as f64 - 0.5) + SLACK
-        };
+        let inside =
+            |value: f64, count: usize| value >= -0.5 - SLACK && value <= (count as f64 - 0.5) + SLACK;
         if width == 0 || height == 0 || !inside(x, width) || !inside(y, height) {
             return f64::NAN;
         }

@@ -148,8 +148,8 @@ fn epsg_of(name: &str) -> Option<String> {
 }
 
 fn layer_of(city: &CityJson, crs: Option<&Crs>) -> Result<Dataset, gdal::errors::GdalError> {
-    let driver = DriverManager::get_driver_by_name("Memory")
-        .or_else(|_| DriverManager::get_driver_by_name("MEM"))?;
+    let driver =
+        DriverManager::get_driver_by_name("Memory").or_else(|_| DriverManager::get_driver_by_name("MEM"))?;
     let mut dataset = driver.create_vector_only("cityjson")?;
     let srs = crs.and_then(|crs| crs.reference().ok());
     let layer = dataset.create_layer(LayerOptions {
@@ -187,12 +187,7 @@ fn layer_of(city: &CityJson, crs: Option<&Crs>) -> Result<Dataset, gdal::errors:
         let mut values: Vec<(&str, FieldValue)> = object
             .attributes
             .iter()
-            .filter_map(|(name, value)| {
-                Some((
-                    name.as_str(),
-                    field_value(value, names.get(name.as_str())?)?,
-                ))
-            })
+            .filter_map(|(name, value)| Some((name.as_str(), field_value(value, names.get(name.as_str())?)?)))
             .collect();
         let mut geometry = Geometry::empty(OGRwkbGeometryType::wkbMultiPolygon)?;
         if let Some((plan, [low, high])) = plan_of(object, city) {
@@ -242,24 +237,18 @@ fn plan_of(object: &CityObject, city: &CityJson) -> Option<(MultiPolygon<f64>, [
         );
     }
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for point in surfaces
-        .iter()
-        .flat_map(|surface| surface.rings.iter().flatten())
-    {
+    for point in surfaces.iter().flat_map(|surface| surface.rings.iter().flatten()) {
         low = low.min(point.z);
         high = high.max(point.z);
     }
     let grounds: Vec<Polygon<f64>> = surfaces
         .iter()
-        .filter(|surface| {
-            surface
-                .is_ground
-                .unwrap_or_else(|| faces_down(&surface.rings[0]))
-        })
+        .filter(|surface| surface.is_ground.unwrap_or_else(|| faces_down(&surface.rings[0])))
         .filter_map(|surface| {
-            let mut rings = surface.rings.iter().map(|ring| {
-                LineString::new(ring.iter().map(|p| Coord { x: p.x, y: p.y }).collect())
-            });
+            let mut rings = surface
+                .rings
+                .iter()
+                .map(|ring| LineString::new(ring.iter().map(|p| Coord { x: p.x, y: p.y }).collect()));
             let polygon = Polygon::new(rings.next()?, rings.collect());
             polygon.is_valid().then_some(polygon)
         })
@@ -299,26 +288,17 @@ fn collect_surfaces(
         let rings: Vec<Vec<DVec3>> = members
             .iter()
             .filter_map(|ring| ring.as_array())
-            .map(|ring| {
-                ring.iter()
-                    .filter_map(|index| vertex(index, city))
-                    .collect()
-            })
+            .map(|ring| ring.iter().filter_map(|index| vertex(index, city)).collect())
             .collect();
-        if rings
-            .first()
-            .is_some_and(|ring: &Vec<DVec3>| ring.len() >= 3)
-        {
-            let is_ground = grounds.map(|(ground, values)| {
-                values.as_u64().is_some_and(|value| ground.contains(&value))
-            });
+        if rings.first().is_some_and(|ring: &Vec<DVec3>| ring.len() >= 3) {
+            let is_ground =
+                grounds.map(|(ground, values)| values.as_u64().is_some_and(|value| ground.contains(&value)));
             surfaces.push(Surface { rings, is_ground });
         }
         return;
     }
     for (index, member) in members.iter().enumerate() {
-        let below =
-            grounds.map(|(ground, values)| (ground, values.get(index).unwrap_or(&Value::Null)));
+        let below = grounds.map(|(ground, values)| (ground, values.get(index).unwrap_or(&Value::Null)));
         collect_surfaces(member, below, city, surfaces);
     }
 }
@@ -327,8 +307,7 @@ fn vertex(index: &Value, city: &CityJson) -> Option<DVec3> {
     let stored = DVec3::from_array(*city.vertices.get(index.as_u64()? as usize)?);
     Some(match &city.transform {
         Some(quantisation) => {
-            stored * DVec3::from_array(quantisation.scale)
-                + DVec3::from_array(quantisation.translate)
+            stored * DVec3::from_array(quantisation.scale) + DVec3::from_array(quantisation.translate)
         }
         None => stored,
     })

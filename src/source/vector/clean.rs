@@ -72,9 +72,7 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
         report.rebuilt = true;
     }
     let parts = multi.0.len();
-    multi
-        .0
-        .retain(|polygon| polygon.unsigned_area() >= LEAST_AREA_M2);
+    multi.0.retain(|polygon| polygon.unsigned_area() >= LEAST_AREA_M2);
     report.dropped_rings |= multi.0.len() < parts;
     if multi.0.is_empty() {
         return Err("an outline without area");
@@ -84,9 +82,8 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
 
 /// Drops repeated points and the closing one. True when a real repeat was dropped.
 fn without_repeats(ring: &[Coord<f64>]) -> (Vec<Coord<f64>>, bool) {
-    let same = |a: &Coord<f64>, b: &Coord<f64>| {
-        (a.x - b.x).abs() < SAME_POINT_M && (a.y - b.y).abs() < SAME_POINT_M
-    };
+    let same =
+        |a: &Coord<f64>, b: &Coord<f64>| (a.x - b.x).abs() < SAME_POINT_M && (a.y - b.y).abs() < SAME_POINT_M;
     let closed = ring.len() > 1 && ring.first() == ring.last();
     let open = &ring[..ring.len() - usize::from(closed)];
     let mut points: Vec<Coord<f64>> = Vec::with_capacity(open.len());

@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gdal::vector::{
-    Defn, Feature, Geometry, LayerAccess, LayerOptions, OGRFieldType, OGRwkbGeometryType,
-};
+use gdal::vector::{Defn, Feature, Geometry, LayerAccess, LayerOptions, OGRFieldType, OGRwkbGeometryType};
 use gdal::{Dataset, DriverManager};
 use geo::MultiPolygon;
 
@@ -28,15 +26,9 @@ impl DigitalMap {
         default_height_m: f64,
     ) -> Result<Vec<Footprint>, SourceError> {
         let mut footprints = Vec::new();
-        FootprintSource::open_digital_map(path)?.read(
-            city,
-            rule,
-            default_height_m,
-            None,
-            |footprint| {
-                footprints.push(footprint);
-            },
-        )?;
+        FootprintSource::open_digital_map(path)?.read(city, rule, default_height_m, None, |footprint| {
+            footprints.push(footprint);
+        })?;
         Ok(footprints)
     }
 }
@@ -106,16 +98,11 @@ impl MapWriter {
             };
             let name = field.name();
             let taken = ["fid", "geom"].contains(&name.to_lowercase().as_str());
-            let name = if taken {
-                format!("source_{name}")
-            } else {
-                name
-            };
+            let name = if taken { format!("source_{name}") } else { name };
             let added = gdal::vector::FieldDefn::new(&name, kind)
                 .and_then(|definition| definition.add_to_layer(&layer));
             // Two names that differ in case only are one column to SQLite: the first stays.
-            self.field_map
-                .push(if added.is_ok() { target_index } else { -1 });
+            self.field_map.push(if added.is_ok() { target_index } else { -1 });
             target_index += i32::from(added.is_ok());
         }
         Ok(())

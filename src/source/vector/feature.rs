@@ -7,11 +7,7 @@ use super::clean::Outline;
 
 /// Adds every area of a geometry to the outline: polygons as they are; lines, when `lines_as_rings` asks,
 /// as rings (CAD files draw buildings as closed or almost closed polylines).
-pub fn collect_polygons(
-    geometry: &Geometry,
-    outline: &mut Outline,
-    accept: OGRwkbGeometryType::Type,
-) {
+pub fn collect_polygons(geometry: &Geometry, outline: &mut Outline, accept: OGRwkbGeometryType::Type) {
     let linear = linearised(geometry);
     let geometry = linear.as_ref().unwrap_or(geometry);
     match geometry_type_flatten(geometry.geometry_type()) {
@@ -45,8 +41,7 @@ fn linearised(geometry: &Geometry) -> Option<Geometry> {
         if gdal_sys::OGR_G_HasCurveGeometry(geometry.c_geometry(), 0) == 0 {
             return None;
         }
-        let linear =
-            gdal_sys::OGR_G_GetLinearGeometry(geometry.c_geometry(), 0.0, std::ptr::null_mut());
+        let linear = gdal_sys::OGR_G_GetLinearGeometry(geometry.c_geometry(), 0.0, std::ptr::null_mut());
         if linear.is_null() {
             return None;
         }

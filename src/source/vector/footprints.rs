@@ -43,11 +43,7 @@ struct Raw {
 
 impl FootprintSource {
     /// Opens a file and picks its layer: the named one, or the only one with areas.
-    pub fn open(
-        path: &Path,
-        layer: Option<&str>,
-        assumed_crs: Option<&Crs>,
-    ) -> Result<Self, SourceError> {
+    pub fn open(path: &Path, layer: Option<&str>, assumed_crs: Option<&Crs>) -> Result<Self, SourceError> {
         let (dataset, cityjson_crs, is_cityjson) = match cityjson::virtual_path(path) {
             Some(virtual_path) => {
                 let (dataset, crs) = cityjson::open(path, &virtual_path)?;
@@ -164,9 +160,7 @@ impl FootprintSource {
         }
         let choice = match wanted {
             Some(name) => layers.iter().position(|(layer, _)| layer == name),
-            None if self.is_osm => layers
-                .iter()
-                .position(|(layer, _)| layer == "multipolygons"),
+            None if self.is_osm => layers.iter().position(|(layer, _)| layer == "multipolygons"),
             None => {
                 let mut areas = (0..).zip(&layers).filter(|(_, (_, areas))| *areas);
                 match (areas.next(), areas.next()) {
@@ -199,11 +193,7 @@ impl FootprintSource {
         let _ = layer.set_attribute_filter("1 = 1");
         let mut names: Vec<String> = layer
             .features()
-            .filter_map(|feature| {
-                feature
-                    .field_as_string(feature.field_index("Layer").ok()?)
-                    .ok()?
-            })
+            .filter_map(|feature| feature.field_as_string(feature.field_index("Layer").ok()?).ok()?)
             .collect();
         names.sort();
         names.dedup();
@@ -309,11 +299,7 @@ impl FootprintSource {
         Ok(report)
     }
 
-    fn field_place(
-        &self,
-        defn: &Defn,
-        rule: &HeightRule,
-    ) -> Result<Option<FieldPlace>, SourceError> {
+    fn field_place(&self, defn: &Defn, rule: &HeightRule) -> Result<Option<FieldPlace>, SourceError> {
         let Some(name) = rule.field() else {
             return Ok(None);
         };
@@ -343,13 +329,11 @@ impl FootprintSource {
         let text = field
             .zip(rule.field())
             .and_then(|(field, key)| field.text(feature, key));
-        let roof = rule
-            .roof_from_text(text.as_deref())
-            .ok_or(match (&text, field) {
-                (_, None) => "no height field was named",
-                (None, _) => "the height is missing",
-                (Some(_), _) => "the height is zero, negative or not a number",
-            });
+        let roof = rule.roof_from_text(text.as_deref()).ok_or(match (&text, field) {
+            (_, None) => "no height field was named",
+            (None, _) => "the height is missing",
+            (Some(_), _) => "the height is zero, negative or not a number",
+        });
         let mut raw = Raw {
             place,
             outline: Outline::default(),
@@ -447,11 +431,7 @@ fn may_hold_areas(defn: &Defn) -> bool {
     let kind = gdal::vector::geometry_type_flatten(defn.geometry_type());
     !matches!(
         kind,
-        Kind::wkbNone
-            | Kind::wkbPoint
-            | Kind::wkbMultiPoint
-            | Kind::wkbLineString
-            | Kind::wkbMultiLineString
+        Kind::wkbNone | Kind::wkbPoint | Kind::wkbMultiPoint | Kind::wkbLineString | Kind::wkbMultiLineString
     )
 }
 

@@ -1,0 +1,125 @@
+//! Every shader links and is valid, without a GPU; and its records are laid out as the Rust side writes them.
+
+use std::mem::{offset_of, size_of};
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use rilievo::buildings::{OutlineVertex, RoofRecord};
+use rilievo::relief::FrameUniforms;
+use rilievo::scene::{GroundTile, TileSlot};
+
+fn all() -> Vec<rilievo::gpu::ShaderSource> {
+    rilievo::relief::SHADERS
+        .into_iter()
+        .chain(rilievo::camera::SHADERS)
+        .collect()
+}
+
+#[test]
+fn every_shader_is_valid() {
+    for source in all() {
+        let text = source.linked();
+        let module = naga::front::wgsl::parse_str(&text)
+            .unwrap_or_else(|error| panic!("{}: {}", source.name, error.emit_to_string(&text)));
+        Validator::new(ValidationFlags::all(), Capabilities::all())
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{}: {}", source.name, error.emit_to_string(&text)));
+    }
+}
+
+/// Names, offsets and size of a struct in whichever shader declares it.
+fn shader_layout(name: &str) -> (Vec<(String, usize)>, usize) {
+    for source in all() {
+        let module = naga::front::wgsl::parse_str(&source.linked()).unwrap();
+        for (_, ty) in module.types.iter() {
+            if ty.name.as_deref() == Some(name)
+                && let naga::TypeInner::Struct { members, span } = &ty.inner
+            {
+                let fields = members
+                    .iter()
+                    .map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize))
+                    .collect();
+                return (fields, *span as usize);
+            }
+        }
+    }
+    panic!("no shader declares {name}");
+}
+
+macro_rules! same_layout {
+    ($name:literal, $rust:ty, [$($shader:literal = $field:ident),* $(,)?]) => {
+        let (fields, size) = shader_layout($name);
+        let expected = [$(($shader.to_owned(), offset_of!($rust, $field))),*];
+        assert_eq!(fields, expected, "{}", $name);
+        assert_eq!(size, size_of::<$rust>(), "{}", $name);
+    };
+}
+
+#[test]
+fn records_are_laid_out_alike_on_both_sides() {
+    same_layout!(
+        "Frame",
+        FrameUniforms,
+        [
+            "clip_from_eye_relative" = clip_from_eye_relative,
+            "forward" = forward,
+            "across" = across,
+            "upward" = upward,
+            "sun" = sun,
+            "eye_in_tile" = eye_in_tile,
+            "eye_elevation" = eye_elevation,
+            "tile_m" = tile_m,
+            "eye_tile" = eye_tile,
+            "grid" = grid,
+            "size" = size,
+            "jitter" = jitter,
+            "texel_m" = texel_m,
+            "top_level" = top_level,
+            "highest_roof" = highest_roof,
+            "terrain_step_m" = terrain_step_m,
+            "terrain_side" = terrain_side,
+            "sample" = sample,
+            "pixel_angle" = pixel_angle,
+            "photo_side" = photo_side,
+        ]
+    );
+    same_layout!(
+        "TileSlot",
+        TileSlot,
+        [
+            "tile" = tile,
+            "vertex_base" = vertex_base,
+            "piece_base" = piece_base,
+            "roof_base" = roof_base,
+            "padding" = padding,
+            "low" = low,
+            "high" = high,
+        ]
+    );
+    same_layout!(
+        "OutlineVertex",
+        OutlineVertex,
+        ["position" = x_m, "along_m" = along_m, "building" = building,]
+    );
+    same_layout!(
+        "RoofRecord",
+        RoofRecord,
+        [
+            "roof_m" = roof_m,
+            "base_m" = base_m,
+            "fid" = fid,
+            "padding" = padding,
+        ]
+    );
+    same_layout!(
+        "GroundTile",
+        GroundTile,
+        ["tile" = tile, "layer" = layer, "padding" = padding]
+    );
+}
+
+#[test]
+fn the_reference_point_is_the_same_in_shader_and_rust() {
+    let text = include_str!("../shaders/lib/building_map.wgsl");
+    let [x, y] = rilievo::buildings::BuildingMap::REFERENCE;
+    assert!(text.contains(&format!("REFERENCE: vec2<f32> = vec2<f32>({x}, {y});")));
+}

@@ -1,0 +1,100 @@
+//! What several test files need: the sample city, the program, and an independent ray caster.
+#![allow(dead_code)]
+
+pub mod raycaster;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+/// The program under test.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_rilievo");
+
+/// Runs the program.
+pub fn rilievo<S: AsRef<std::ffi::OsStr>>(arguments: &[S]) -> Output {
+    Command::new(PROGRAM)
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+/// Runs the program and requires success.
+pub fn succeed<S: AsRef<std::ffi::OsStr> + std::fmt::Debug>(arguments: &[S]) -> String {
+    let output = rilievo(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Folder with the sample's source files (`files/`) and its city (`city/`), made once for each build of the program.
+pub fn sample() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let program = std::fs::metadata(PROGRAM).expect("the program exists");
+        let age = program
+            .modified()
+            .expect("a time")
+            .duration_since(std::time::UNIX_EPOCH)
+            .expect("after 1970");
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!(
+            "sample-{}-{}",
+            age.as_millis(),
+            program.len()
+        ));
+        if !folder.join("city/city.toml").is_file() {
+            let _ = std::fs::remove_dir_all(&folder);
+            let files = folder.join("files");
+            succeed(&[Path::new("sample"), &files]);
+            succeed(&import_arguments(&files, &folder.join("city")));
+        }
+        folder
+    })
+}
+
+/// The arguments that import the sample's files.
+pub fn import_arguments(files: &Path, out: &Path) -> Vec<String> {
+    let file = |name: &str| files.join(name).display().to_string();
+    let mut arguments: Vec<String> = ["import", "--terrain"].map(String::from).to_vec();
+    arguments.push(file("terrain.tif"));
+    arguments.extend(["--buildings".to_owned(), file("buildings.gpkg")]);
+    arguments.extend([
+        "--height-field".to_owned(),
+        "height_m".to_owned(),
+        "--photo".to_owned(),
+    ]);
+    arguments.extend(["photo_0_0.tif", "photo_1_0.tif", "photo_0_1.tif", "photo_1_1.tif"].map(file));
+    arguments.extend(["--out".to_owned(), out.display().to_string()]);
+    arguments
+}
+
+/// Three views of the sample city: street level, oblique, high. Eye and look in its CRS.
+pub const VIEWS: [(&str, [f64; 3], [f64; 3]); 3] = [
+    (
+        "street",
+        [289_442.35, 4_773_173.31, 229.71],
+        [289_407.71, 4_773_153.31, 228.5],
+    ),
+    (
+        "oblique",
+        [288_900.0, 4_772_600.0, 400.0],
+        [289_180.0, 4_773_000.0, 215.0],
+    ),
+    (
+        "high",
+        [288_900.0, 4_772_500.0, 1000.0],
+        [289_230.0, 4_773_050.0, 215.0],
+    ),
+];
+
+/// The data beside the project, where there is any; says so loudly where there is none.
+pub fn shared_data() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!(
+        "SKIPPED: {} is absent, nothing was checked on real data",
+        folder.display()
+    );
+    None
+}

@@ -1,0 +1,200 @@
+//! The picture against ground truth: depth and ids of the sample city, drawn both ways, against an independent ray
+//! caster of the survey files.
+
+mod support;
+
+use std::path::Path;
+
+use glam::DVec3;
+use rilievo::city::City;
+use rilievo::output::{Picture, PictureRequest, Renderer};
+use rilievo::relief::{Light, ReliefMode};
+use rilievo::scene::TerrainMesh;
+use rilievo::space::View;
+use support::raycaster::{Raycaster, Truth};
+
+const SIZE: [u32; 2] = [192, 108];
+
+fn view(eye: [f64; 3], look: [f64; 3]) -> View {
+    View {
+        eye: DVec3::from_array(eye),
+        look: DVec3::from_array(look),
+        fov_y: 60_f64.to_radians(),
+    }
+}
+
+fn draw(renderer: &Renderer, view: View, mode: ReliefMode) -> Picture {
+    renderer
+        .picture(&PictureRequest {
+            view,
+            size: SIZE,
+            light: Light {
+                to_sun: DVec3::new(-0.5, -0.5, 0.7).normalize(),
+            },
+            mode,
+            samples: 1,
+        })
+        .unwrap()
+}
+
+fn open(mode: ReliefMode, mesh: TerrainMesh) -> Renderer {
+    let city = City::open(&support::sample().join("city")).unwrap();
+    Renderer::open(&city, mode, mesh).unwrap()
+}
+
+fn caster() -> Raycaster {
+    let files = support::sample().join("files");
+    Raycaster::open(
+        &files.join("terrain.tif"),
+        &files.join("buildings.gpkg"),
+        "height_m",
+    )
+}
+
+/// Rays of a pinhole, derived here from the definition of the camera alone.
+fn ray(view: &View, column: u32, row: u32) -> DVec3 {
+    let forward = (view.look - view.eye).normalize();
+    let right = forward.cross(DVec3::Z).normalize();
+    let up = right.cross(forward);
+    let half = (view.fov_y / 2.0).tan();
+    let x = (f64::from(column) + 0.5) / f64::from(SIZE[0]) * 2.0 - 1.0;
+    let y = 1.0 - (f64::from(row) + 0.5) / f64::from(SIZE[1]) * 2.0;
+    (forward + right * (x * half * f64::from(SIZE[0]) / f64::from(SIZE[1])) + up * (y * half)).normalize()
+}
+
+/// What must hold (the project's accuracy promise).
+fn check(name: &str, caster: &Raycaster, view: View, picture: &Picture) {
+    let [width, height] = SIZE;
+    let truth: Vec<Truth> = (0..width * height)
+        .map(|k| caster.cast(view.eye.to_array(), ray(&view, k % width, k / width).to_array()))
+        .collect();
+    let class = |k: usize| match truth[k] {
+        Truth::Sky => -1_i64,
+        Truth::Ground { .. } => 0,
+        Truth::Building { id, .. } => i64::from(id),
+    };
+    let (mut buildings, mut right_buildings, mut grounds, mut right_grounds, mut smooth_wrong) =
+        (0, 0, 0, 0, 0);
+    for k in 0..truth.len() {
+        let (column, row) = (k as u32 % width, k as u32 / width);
+        let (t, id) = (f64::from(picture.depth[k]), picture.ids[k]);
+        let right = match truth[k] {
+            Truth::Sky => t.is_nan(),
+            Truth::Building {
+                t: t_true,
+                id: id_true,
+            } => {
+                buildings += 1;
+                let right = id == id_true && (t - t_true).abs() <= f64::max(0.10, 0.0005 * t_true);
+                right_buildings += u32::from(right);
+                right
+            }
+            Truth::Ground { .. } => {
+                grounds += 1;
+                let at = view.eye + ray(&view, column, row) * t;
+                let error = caster.ground(at.x, at.y).map(|ground| (at.z - ground).abs());
+                let right = id == 0 && error.is_some_and(|error| error <= 0.30);
+                right_grounds += u32::from(right);
+                right
+            }
+        };
+        let inner = column > 0 && row > 0 && column + 1 < width && row + 1 < height;
+        let smooth = inner
+            && [-1, 0, 1].iter().all(|dy| {
+                [-1, 0, 1]
+                    .iter()
+                    .all(|dx| class((k as i64 + dy * i64::from(width) + dx) as usize) == class(k))
+            });
+        smooth_wrong += u32::from(smooth && !right);
+    }
+    let share = |part: u32, whole: u32| f64::from(part) / f64::from(whole.max(1));
+    let (buildings_right, grounds_right) = (share(right_buildings, buildings), share(right_grounds, grounds));
+    let away = share(smooth_wrong, width * height);
+    println!(
+        "{name}: buildings {buildings_right:.5} of {buildings}, ground {grounds_right:.5} of {grounds}, wrong away from silhouettes {away:.6}"
+    );
+    assert!(
+        buildings > 1500 && grounds > 200,
+        "{name}: the view shows too little to judge"
+    );
+    assert!(buildings_right >= 0.995, "{name}: buildings {buildings_right}");
+    assert!(grounds_right >= 0.995, "{name}: ground {grounds_right}");
+    assert!(away <= 0.001, "{name}: {away} wrong away from silhouettes");
+}
+
+#[test]
+fn exact_relief_is_true() {
+    let (caster, renderer) = (caster(), open(ReliefMode::Exact, TerrainMesh::Tin));
+    for (name, eye, look) in support::VIEWS {
+        let view = view(eye, look);
+        check(
+            &format!("exact {name}"),
+            &caster,
+            view,
+            &draw(&renderer, view, ReliefMode::Exact),
+        );
+    }
+}
+
+#[test]
+fn polygons_are_true_and_agree_with_exact() {
+    let (caster, renderer) = (caster(), open(ReliefMode::Polygons, TerrainMesh::Tin));
+    for (name, eye, look) in support::VIEWS {
+        let view = view(eye, look);
+        let polygons = draw(&renderer, view, ReliefMode::Polygons);
+        check(&format!("polygons {name}"), &caster, view, &polygons);
+        let exact = draw(&renderer, view, ReliefMode::Exact);
+        let differing = exact
+            .ids
+            .iter()
+            .zip(&polygons.ids)
+            .filter(|(a, b)| a != b)
+            .count();
+        assert!(
+            differing * 200 <= exact.ids.len(),
+            "{name}: {differing} ids differ"
+        );
+    }
+}
+
+#[test]
+fn the_regular_grid_draws_the_same_ground() {
+    let (caster, renderer) = (caster(), open(ReliefMode::Exact, TerrainMesh::Grid));
+    let (name, eye, look) = support::VIEWS[1];
+    let view = view(eye, look);
+    check(
+        &format!("grid {name}"),
+        &caster,
+        view,
+        &draw(&renderer, view, ReliefMode::Exact),
+    );
+}
+
+#[test]
+fn the_same_command_gives_the_same_picture() {
+    let city = support::sample().join("city");
+    let folder = tempfile::tempdir().unwrap();
+    let render = |name: &str| {
+        let out = folder.path().join(name);
+        let [east, north, height] = support::VIEWS[1].1;
+        let eye = format!("{east},{north},{height}");
+        let [east, north, height] = support::VIEWS[1].2;
+        let look = format!("{east},{north},{height}");
+        let arguments: [&std::ffi::OsStr; 11] = [
+            "render".as_ref(),
+            city.as_ref(),
+            "--eye".as_ref(),
+            eye.as_ref(),
+            "--look".as_ref(),
+            look.as_ref(),
+            "--size".as_ref(),
+            "96x54".as_ref(),
+            "--samples=2".as_ref(),
+            "--out".as_ref(),
+            out.as_ref(),
+        ];
+        support::succeed(&arguments);
+        std::fs::read(Path::new(&out)).unwrap()
+    };
+    assert_eq!(render("a.png"), render("b.png"));
+}
