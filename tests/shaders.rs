@@ -1,4 +1,5 @@
 //! Every shader links and is valid, without a GPU; and its records are laid out as the Rust side writes them.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::mem::{offset_of, size_of};
 

@@ -1,5 +1,6 @@
 //! The picture against ground truth: depth and ids of the sample city, drawn both ways, against an independent ray
 //! caster of the survey files.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 
@@ -75,10 +76,10 @@ fn check(name: &str, caster: &Raycaster, view: View, picture: &Picture) {
     };
     let (mut buildings, mut right_buildings, mut grounds, mut right_grounds, mut smooth_wrong) =
         (0, 0, 0, 0, 0);
-    for k in 0..truth.len() {
+    for (k, seen) in truth.iter().enumerate() {
         let (column, row) = (k as u32 % width, k as u32 / width);
         let (t, id) = (f64::from(picture.depth[k]), picture.ids[k]);
-        let right = match truth[k] {
+        let right = match *seen {
             Truth::Sky => t.is_nan(),
             Truth::Building {
                 t: t_true,

@@ -1,4 +1,5 @@
 //! The traversal's two forms, WGSL and Rust, meet the same walls and roofs.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 

@@ -47,7 +47,7 @@ pub fn blocks() -> Vec<Block> {
     );
     let mut rings = Vec::new();
     split(whole, 0, &mut chance, &mut rings);
-    rings.retain(|ring| is_buildable(ring));
+    rings.retain(is_buildable);
     let nearest = |to: DVec2| {
         let by_distance = |ring: &Ring| centre(ring).distance(to);
         (0..rings.len()).min_by(|&a, &b| by_distance(&rings[a]).total_cmp(&by_distance(&rings[b])))

@@ -192,7 +192,8 @@ fn villas(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
             buildings.push(house(rectangle(shed, turned, 5.2, 3.4), 1, -0.5, "garage", None));
         }
         for _ in 0..2 {
-            let at = middle + DVec2::from_angle(chance.between(0.0, 6.28)) * chance.between(8.5, 11.5);
+            let at = middle
+                + DVec2::from_angle(chance.between(0.0, std::f64::consts::TAU)) * chance.between(8.5, 11.5);
             trees.push(Tree {
                 at,
                 radius: chance.between(1.6, 3.6),

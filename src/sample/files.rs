@@ -120,7 +120,6 @@ fn write_terrain(path: &Path) -> Result<(), SourceError> {
     let mut buffer = Buffer::new((size[0], size[1]), heights);
     band.write((0, 0), (size[0], size[1]), &mut buffer)
         .map_err(write_error(path))?;
-    drop(band);
     dataset.close().map_err(write_error(path))
 }
 
@@ -180,7 +179,6 @@ fn write_buildings(path: &Path, buildings: &[SampleBuilding]) -> Result<(), Sour
             feature.set_geometry(Geometry::from_wkt(&wkt_of(building))?)?;
             feature.create(&layer)?;
         }
-        drop(layer);
         transaction.commit()?;
         dataset.close()
     };

@@ -30,9 +30,9 @@ pub fn profile_vertices(heights: &[f32], tolerance_m: f32) -> Vec<usize> {
 fn split(heights: &[f32], start: usize, end: usize, tolerance_m: f32, kept: &mut Vec<usize>) {
     let (h0, h1) = (heights[start], heights[end]);
     let mut worst = (tolerance_m, None);
-    for index in start + 1..end {
+    for (index, height) in heights.iter().enumerate().take(end).skip(start + 1) {
         let along = (index - start) as f32 / (end - start) as f32;
-        let error = (heights[index] - (h0 + (h1 - h0) * along)).abs();
+        let error = (height - (h0 + (h1 - h0) * along)).abs();
         if error > worst.0 {
             worst = (error, Some(index));
         }

@@ -98,7 +98,7 @@ fn fixed_vertices(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> Vec
     let mut fixed = Vec::new();
     let border = |at: &dyn Fn(usize) -> (usize, usize)| -> Vec<(usize, usize)> {
         let heights: Vec<f32> = (0..side)
-            .map(|k| at(k))
+            .map(at)
             .map(|(i, j)| tile.heights[j * side + i])
             .collect();
         profile_vertices(&heights, tolerance_m)

@@ -43,6 +43,8 @@ struct Quantisation {
 struct Metadata {
     #[serde(rename = "referenceSystem")]
     reference_system: Option<String>,
+    #[serde(rename = "geographicalExtent")]
+    extent: Option<[f64; 6]>,
 }
 
 #[derive(Deserialize)]
@@ -106,8 +108,9 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<(Dataset, Option<Crs>), 
         why,
     };
     let text = read_text(virtual_path).map_err(damaged)?;
-    let city: CityJson =
+    let mut city: CityJson =
         serde_json::from_slice(&text).map_err(|error| damaged(format!("CityJSON: {error}")))?;
+    mend_translation(&mut city);
     let crs = city
         .metadata
         .reference_system
@@ -121,6 +124,28 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<(Dataset, Option<Crs>), 
         })?;
     let dataset = layer_of(&city, crs.as_ref()).map_err(|error| damaged(error.to_string()))?;
     Ok((dataset, crs))
+}
+
+/// Some writers store whole coordinates and still give a translation. The file's own extent tells: where the vertices
+/// lie in it only without the translation, that is dropped.
+fn mend_translation(city: &mut CityJson) {
+    let (Some(quantisation), Some(extent)) = (&mut city.transform, city.metadata.extent) else {
+        return;
+    };
+    let scale = DVec3::from_array(quantisation.scale);
+    let inside = |translate: DVec3| {
+        let within = city.vertices.iter().filter(|vertex| {
+            let point = DVec3::from_array(**vertex) * scale + translate;
+            (0..2).all(|axis| (extent[axis] - 1.0..=extent[axis + 3] + 1.0).contains(&point[axis]))
+        });
+        2 * within.count() > city.vertices.len()
+    };
+    if !inside(DVec3::from_array(quantisation.translate)) && inside(DVec3::ZERO) {
+        tracing::warn!(
+            "CityJSON: the vertices lie in the file's extent only without its translation, which is dropped"
+        );
+        quantisation.translate = [0.0; 3];
+    }
 }
 
 fn read_text(path: &Path) -> Result<Vec<u8>, String> {
@@ -203,7 +228,6 @@ fn layer_of(city: &CityJson, crs: Option<&Crs>) -> Result<Dataset, gdal::errors:
         feature.set_geometry(geometry)?;
         feature.create(&layer)?;
     }
-    drop(layer);
     Ok(dataset)
 }
 

@@ -116,6 +116,7 @@ fn make_valid(multi: &MultiPolygon<f64>) -> Option<MultiPolygon<f64>> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

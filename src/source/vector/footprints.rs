@@ -30,6 +30,9 @@ pub struct FootprintSource {
     ids_are_fids: bool,
 }
 
+/// A cleaned outline with what was changed, or why there is none.
+type Cleaned = Result<(MultiPolygon<f64>, CleanReport), &'static str>;
+
 /// Features cleaned in parallel at a time.
 const BATCH: usize = 8192;
 
@@ -364,11 +367,7 @@ impl FootprintSource {
         raw
     }
 
-    fn clean(
-        &self,
-        raws: Vec<&Raw>,
-        city: &Crs,
-    ) -> Result<Vec<Result<(MultiPolygon<f64>, CleanReport), &'static str>>, SourceError> {
+    fn clean(&self, raws: Vec<&Raw>, city: &Crs) -> Result<Vec<Cleaned>, SourceError> {
         let (from, path) = (&self.crs, &self.path);
         raws.into_par_iter()
             .with_min_len(256)

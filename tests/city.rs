@@ -1,0 +1,183 @@
+//! The city folder: repeatable to the byte, resumable, replaced whole or not at all, and safe to open when damaged.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use rilievo::buildings::{CellKind, Pyramid};
+use rilievo::city::City;
+use support::{import_arguments, rilievo, sample, succeed};
+
+/// Every file under a folder with its bytes.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(&next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found.insert(
+                    path.strip_prefix(folder).unwrap().to_owned(),
+                    fs::read(&path).unwrap(),
+                );
+            }
+        }
+    }
+    found
+}
+
+fn same(a: &Path, b: &Path) {
+    let (mut a, mut b) = (contents(a), contents(b));
+    // The manifest names the folder.
+    for city in [&mut a, &mut b] {
+        let manifest = city.remove(Path::new("city.toml")).expect("a manifest");
+        assert!(manifest.len() > 500);
+    }
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+    for (path, bytes) in &a {
+        assert!(*bytes == b[path], "{} differs", path.display());
+    }
+}
+
+#[test]
+fn a_second_import_and_a_resumed_one_give_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = sample().join("files");
+    let again = folder.path().join("again");
+    succeed(&import_arguments(&files, &again));
+    same(&sample().join("city"), &again);
+
+    // Kill an import as soon as some tiles are there, then run it again.
+    let resumed = folder.path().join("resumed");
+    let arguments = import_arguments(&files, &resumed);
+    let mut child = std::process::Command::new(support::PROGRAM)
+        .args(&arguments)
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let staging = folder.path().join("resumed.partial/terrain/0");
+    for _ in 0..2000 {
+        if fs::read_dir(&staging).is_ok_and(|entries| entries.count() > 3) {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(
+        !resumed.join("city.toml").exists(),
+        "the import was over before it could be killed"
+    );
+    succeed(&arguments);
+    same(&sample().join("city"), &resumed);
+    assert!(!folder.path().join("resumed.partial").exists());
+
+    // Importing over a city replaces it.
+    succeed(&arguments);
+    same(&again, &resumed);
+}
+
+#[test]
+fn a_failed_import_leaves_the_old_city() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = folder.path().join("city");
+    let mut arguments = import_arguments(&sample().join("files"), &city);
+    succeed(&arguments);
+    let before = contents(&city);
+    let broken = folder.path().join("broken.tif");
+    let terrain = fs::read(sample().join("files/terrain.tif")).unwrap();
+    fs::write(&broken, &terrain[..terrain.len() / 2]).unwrap();
+    arguments[2] = broken.display().to_string();
+    let output = rilievo(&arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("broken.tif"), "{message}");
+    assert_eq!(contents(&city), before);
+}
+
+#[test]
+fn a_folder_that_is_no_city_is_never_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("thesis.txt"), "years of work").unwrap();
+    let output = rilievo(&import_arguments(&sample().join("files"), folder.path()));
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(
+        fs::read_to_string(folder.path().join("thesis.txt")).unwrap(),
+        "years of work"
+    );
+}
+
+#[test]
+fn damaged_tiles_are_named_and_links_are_not_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = folder.path().join("city");
+    for (path, bytes) in contents(&sample().join("city")) {
+        let target = city.join(path);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        fs::write(target, bytes).unwrap();
+    }
+    let opened = City::open(&city).unwrap();
+    let tile = opened
+        .manifest()
+        .grid
+        .tiles()
+        .find(|&tile| opened.has_buildings(tile))
+        .unwrap();
+    let path = city.join(format!("buildings/0/{}_{}.tif", tile.x, tile.y));
+    let whole = fs::read(&path).unwrap();
+
+    // Every cut and many flipped bytes: an error or a sound map, never a panic.
+    for share in 1..40 {
+        fs::write(&path, &whole[..whole.len() * share / 40]).unwrap();
+        let error = opened.buildings(tile).unwrap_err().to_string();
+        assert!(error.contains(&format!("{}_{}.tif", tile.x, tile.y)), "{error}");
+    }
+    for flip in (0..whole.len()).step_by(whole.len() / 150) {
+        let mut bytes = whole.clone();
+        bytes[flip] ^= 0x5a;
+        fs::write(&path, &bytes).unwrap();
+        if let Ok(Some(map)) = opened.buildings(tile) {
+            assert!(map.is_sound());
+        }
+    }
+    #[cfg(unix)]
+    {
+        let secret = folder.path().join("outside.tif");
+        fs::write(&secret, &whole).unwrap();
+        fs::remove_file(&path).unwrap();
+        std::os::unix::fs::symlink(&secret, &path).unwrap();
+        assert!(
+            opened.buildings(tile).unwrap().is_none(),
+            "a link led out of the city"
+        );
+    }
+}
+
+#[test]
+fn the_pyramid_bounds_every_texel_and_words_name_real_buildings() {
+    let city = City::open(&sample().join("city")).unwrap();
+    let mut buildings = std::collections::BTreeSet::new();
+    for tile in city.manifest().grid.tiles() {
+        let Some(map) = city.buildings(tile).unwrap() else {
+            continue;
+        };
+        let pyramid = Pyramid::of(&map);
+        for (cell, &word) in map.cells.iter().enumerate() {
+            if CellKind::of(word) == CellKind::Empty {
+                continue;
+            }
+            let (column, row) = ((cell % map.side) as i32, (cell / map.side) as i32);
+            for level in 1..=map.side.ilog2() {
+                let bound = pyramid.highest(level, column >> level, row >> level, map.side);
+                assert!(bound >= map.highest_roof(cell));
+            }
+        }
+        buildings.extend(map.roofs.iter().map(|roof| roof.fid));
+    }
+    assert_eq!(buildings.len() as u64, city.manifest().buildings);
+}
