@@ -109,18 +109,24 @@ fn visit_block(block: vec2<i32>, slot_index: i32, slot: TileSlot, ray: Ray, star
     var beyond = vec2<f32>(t0) >= t_middle;
     var t = t0;
     // A straight line meets at most three of the four.
-    for (var i = 0; i < 3; i += 1) {
-        let ahead = select(t_middle, vec2<f32>(t1), beyond);
-        let t_out = min(min(ahead.x, ahead.y), t1);
-        let cell = 2 * block + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
-        let word = textureLoad(cells, cell, slot_index, 0).x;
-        if word != 0u {
-            let hit = visit_cell(word, cell, slot, ray, start, t, t_out);
-            if hit.t < FAR { return hit; }
+    var left = 3;
+    loop {
+        // On to the next texel with something in it (cheap), then the visit (costly): lanes wait for each other.
+        var word = 0u;
+        var cell = vec2<i32>(0);
+        var t_in = t;
+        while left > 0 && word == 0u {
+            left = select(left - 1, 0, t >= t1);
+            t_in = t;
+            let ahead = select(t_middle, vec2<f32>(t1), beyond);
+            t = min(min(ahead.x, ahead.y), t1);
+            cell = 2 * block + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
+            word = textureLoad(cells, cell, slot_index, 0).x;
+            beyond = beyond | (vec2<f32>(t) >= t_middle);
         }
-        t = t_out;
-        if t >= t1 { break; }
-        beyond = beyond | (vec2<f32>(t) >= t_middle);
+        if word == 0u { break; }
+        let hit = visit_cell(word, cell, slot, ray, start, t_in, t);
+        if hit.t < FAR { return hit; }
     }
     return MISS;
 }
@@ -205,7 +211,8 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
         let t_out = min(min(t_border.x, t_border.y), end);
         if all((tile >= vec2<i32>(0))) && all((tile < frame.grid)) {
             let slot = textureLoad(tile_table, tile, 0).x;
-            if slot >= 0 {
+            let lowest = ray.start.z + min(t * ray.direction.z, t_out * ray.direction.z);
+            if slot >= 0 && lowest <= slots[slot].high - frame.eye_elevation {
                 let hit = walk_tile(slot, ray, t, t_out);
                 if hit.t <= end { return hit; }
             }

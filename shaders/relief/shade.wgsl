@@ -102,7 +102,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let r = sqrt(random.x);
         let up = sqrt(1.0 - random.x);
         let ambient_ray = normalize(r * cos(turn) * side + r * sin(turn) * across + up * normal);
-        if ambient_ray.z <= 0.0 || !is_open(at, normal, ambient_ray, 60.0) { sky_share = 0.35; }
+        if ambient_ray.z <= 0.0 || !is_open(at, normal, ambient_ray, 60.0) { sky_share = 0.45; }
         if ambient_ray.z <= 0.0 { sky_share = 0.8; }
         let disc_side = normalize(cross(to_sun, vec3<f32>(0.0, 0.0, 1.0)));
         let wide = 0.0046 * sqrt(random.z);

@@ -316,9 +316,12 @@ pub fn walk_city<'a>(
             && let Some(map) = tile_at(tile)
         {
             *reads += 1;
-            let hit = walk_tile(map, ray, corner, eye_elevation, [t, t_out], reads);
-            if let Some(hit) = hit.filter(|hit| hit.t <= end) {
-                return Some(hit);
+            let lowest = ray.start.z + (t * ray.direction.z).min(t_out * ray.direction.z);
+            if lowest <= map.pyramid.top() - eye_elevation {
+                let hit = walk_tile(map, ray, corner, eye_elevation, [t, t_out], reads);
+                if let Some(hit) = hit.filter(|hit| hit.t <= end) {
+                    return Some(hit);
+                }
             }
         }
         t = t.max(t_out);
