@@ -33,8 +33,8 @@ fn sun_disc(direction: vec3<f32>) -> vec3<f32> {
 // Mean light of the sky's half above a surface.
 fn ambient_light(normal: vec3<f32>) -> vec3<f32> {
     let light = 0.03 + day(frame.sun.z);
-    let sky = vec3<f32>(0.50, 0.62, 0.82);
-    let ground = vec3<f32>(0.30, 0.27, 0.22);
+    let sky = vec3<f32>(0.52, 0.61, 0.76);
+    let ground = vec3<f32>(0.34, 0.31, 0.26);
     return light * mix(ground, sky, 0.5 + 0.5 * normal.z) * 0.95;
 }
 

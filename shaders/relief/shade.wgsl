@@ -111,6 +111,6 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let facing = max(dot(normal, to_sun), 0.0);
     var sun = vec3<f32>(0.0);
     if facing > 0.0 && to_sun.z > 0.0 && is_open(at, normal, to_sun, FAR) { sun = sun_colour() * facing; }
-    let radiance = albedo * (sun + sky_share * ambient_light(normal)) / 2.1;
+    let radiance = albedo * (sun + sky_share * ambient_light(normal)) / 2.5;
     return Shaded(vec4<f32>(through_haze(radiance, direction, t), 1.0), t, id);
 }
