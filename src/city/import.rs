@@ -159,7 +159,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             .into_owned(),
         crs: sources.crs.label().to_owned(),
         units: "metre".to_owned(),
-        texel_m: options.texel_m,
+        texel_m: plan.grid.tile_m / TILE_TEXELS as f64,
         tile_texels: TILE_TEXELS,
         terrain_step_m: plan.terrain_step_m,
         terrain_side: plan.terrain_side,
@@ -303,9 +303,15 @@ struct Plan {
     fill_samples: usize,
 }
 
-/// Samples of terrain a file's pixel gets at least, where the file's own pixels cannot be used: the bilinear
-/// surface bends at pixel centres, and a coarse lattice would cut those bends off.
+/// Distance between terrain samples at most, metres: the bilinear surface bends at the file's pixel centres, and where
+/// samples cannot lie on those, a coarse lattice would cut the bends off (by a quarter of the step times the bend).
+const MOST_STEP_M: f64 = 4.0;
+
+/// Samples that a file's pixel gets at least, where its own cannot be used.
 const SAMPLES_PER_PIXEL: f64 = 4.0;
+
+/// Most intervals along a tile's side.
+const MOST_INTERVALS: f64 = 1024.0;
 
 /// Most tiles of a city.
 const MOST_TILES: f64 = 1e6;
@@ -341,36 +347,21 @@ impl Plan {
                 advice: "use larger texels (--texel) or a smaller --margin".to_owned(),
             });
         }
-        let own = sources
-            .dtm
-            .lattice_in(&sources.crs)
-            .and_then(|(anchor, pixel_m)| {
-                let intervals = (tile_m / pixel_m).round();
-                let fits = (tile_m / intervals - pixel_m).abs() < 1e-9 * pixel_m
-                    && (2.0..=1024.0).contains(&intervals)
-                    && (intervals as usize).is_power_of_two();
-                fits.then_some((anchor, pixel_m, intervals as usize))
-            });
-        let (grid, intervals, fill_m) = match own {
-            Some((anchor, pixel_m, intervals)) => {
-                let grid = TileGrid::covering(&bounds, tile_m, anchor, pixel_m);
-                (grid, intervals, options.fill_m)
-            }
-            None => {
-                let wanted = (sources.dtm.finest_pixel_m() / SAMPLES_PER_PIXEL).max(0.5 * options.texel_m);
-                let mut intervals = 16;
-                while tile_m / intervals as f64 > wanted && intervals < 1024 {
-                    intervals *= 2;
-                }
-                // Bilinear needs both neighbours, so a hole of w metres is w + a pixel wide here.
-                let fill_m = options.fill_m + sources.dtm.coarsest_pixel_m();
-                (
-                    TileGrid::covering(&bounds, tile_m, DVec2::ZERO, options.texel_m),
-                    intervals,
-                    fill_m,
-                )
-            }
-        };
+        if let Some((anchor, pixel_m)) = sources.dtm.lattice_in(&sources.crs)
+            && let Some(plan) = Self::on_pixels(&bounds, tile_m, anchor, pixel_m, options.fill_m)
+        {
+            return Ok(plan);
+        }
+        let wanted = (sources.dtm.finest_pixel_m() / SAMPLES_PER_PIXEL)
+            .min(MOST_STEP_M)
+            .max(0.5 * options.texel_m);
+        let mut intervals = 16;
+        while tile_m / intervals as f64 > wanted && (intervals as f64) < MOST_INTERVALS {
+            intervals *= 2;
+        }
+        // Bilinear needs both neighbours, so a hole of w metres is w + a pixel wide here.
+        let fill_m = options.fill_m + sources.dtm.coarsest_pixel_m();
+        let grid = TileGrid::covering(&bounds, tile_m, DVec2::ZERO, options.texel_m);
         let terrain_step_m = tile_m / intervals as f64;
         Ok(Self {
             grid,
@@ -378,6 +369,27 @@ impl Plan {
             terrain_step_m,
             fill_samples: if options.fill_m > 0.0 {
                 (fill_m / terrain_step_m) as usize
+            } else {
+                0
+            },
+        })
+    }
+
+    /// Terrain samples on the file's own pixel centres (and whole fractions between), so that the city's ground is the
+    /// file's to the last bit. The tile's side becomes the nearest whole number of pixels, and the texel follows it.
+    fn on_pixels(bounds: &Bounds, tile_m: f64, anchor: DVec2, pixel_m: f64, fill_m: f64) -> Option<Self> {
+        let pixels = (tile_m / pixel_m).round();
+        let parts = (pixel_m / MOST_STEP_M).ceil().max(1.0);
+        let side_m = pixels * pixel_m;
+        let near_enough = (side_m / tile_m - 1.0).abs() < 0.25;
+        // A hole is as wide as its pixels, and missing up to the known centres on both sides of it.
+        let hole_samples = (fill_m / pixel_m).floor() * parts + parts - 1.0;
+        (near_enough && pixels * parts <= MOST_INTERVALS).then(|| Self {
+            grid: TileGrid::covering(bounds, side_m, anchor, pixel_m),
+            terrain_side: (pixels * parts) as usize + 1,
+            terrain_step_m: pixel_m / parts,
+            fill_samples: if fill_m >= pixel_m {
+                hole_samples as usize
             } else {
                 0
             },
