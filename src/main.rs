@@ -1,5 +1,11 @@
 //! The `rilievo` program: parse, run, print the error.
 
 fn main() -> std::process::ExitCode {
+    // Mesa complains on standard error when this is unset, as it is for root and in services.
+    #[cfg(target_os = "linux")]
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: no other thread runs yet.
+        unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) };
+    }
     rilievo::cli::main()
 }

@@ -119,18 +119,18 @@ pub fn write_buildings(
         .roofs
         .iter()
         .flat_map(|r| [r.roof_m.to_bits(), r.base_m.to_bits(), r.fid]);
-    // A TIFF page has at least one row: an empty list is one row of padding.
-    let padded = |mut pieces: Vec<u32>| {
-        pieces.push(0);
-        pieces
+    // A TIFF page has at least one row: every table ends with a row of padding.
+    let padded = |mut values: Vec<u32>, columns: usize| {
+        values.resize(values.len() + columns, 0);
+        values
     };
     let pages = [
         raster(Pixels::Float(flipped(&roofs.collect::<Vec<_>>(), map.side))),
         raster(Pixels::Word(flipped(&fids.collect::<Vec<_>>(), map.side))),
         raster(Pixels::Word(flipped(&map.cells, map.side))),
-        table(4, vertices.collect()),
-        table(1, padded(map.pieces.clone())),
-        table(3, records.collect()),
+        table(4, padded(vertices.collect(), 4)),
+        table(1, padded(map.pieces.clone(), 1)),
+        table(3, padded(records.collect(), 3)),
     ];
     write(path, &pages, keys)
 }
@@ -142,10 +142,12 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
     reader.floats(square)?;
     reader.words(square)?;
     let (cells, _) = reader.words(square)?;
-    let (vertices, _) = reader.words([Some(4), None])?;
-    let (mut pieces, _) = reader.words([Some(1), None])?;
-    let (roofs, _) = reader.words([Some(3), None])?;
-    pieces.pop();
+    let mut table = |columns: usize| -> Result<Vec<u32>, CityError> {
+        let (mut values, _) = reader.words([Some(columns), None])?;
+        values.truncate(values.len() - columns);
+        Ok(values)
+    };
+    let (vertices, pieces, roofs) = (table(4)?, table(1)?, table(3)?);
     let (vertices, _) = vertices.as_chunks::<4>();
     let (roofs, _) = roofs.as_chunks::<3>();
     let map = BuildingMap {

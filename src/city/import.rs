@@ -26,7 +26,9 @@ use super::staging::Staging;
 use super::store::{Layer, tile_path};
 use super::{CityError, Manifest, SourceRecord};
 use crate::buildings::{Building, rasterise, triangle_bytes};
-use crate::source::{Dtm, Footprint, FootprintReport, FootprintSource, HeightRule, MapWriter, Photos};
+use crate::source::{
+    CrsChoice, Dtm, Footprint, FootprintReport, FootprintSource, HeightRule, MapWriter, Photos,
+};
 use crate::space::{Bounds, Crs, TileGrid, TileId};
 use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, tin_triangles};
 
@@ -89,6 +91,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     let mut warnings = Vec::new();
     let sources = Sources::open(options)?;
     let recipe = recipe(options)?;
+    refuse_inputs_inside(options)?;
     let staging = Staging::open(&options.out, &recipe.text)?;
     let folder = staging.folder();
 
@@ -119,7 +122,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     )?;
     spinner.finish_and_clear();
 
-    let plan = Plan::new(&sources, options, &footprints)?;
+    let plan = Plan::new(&sources, options, &footprints, &report)?;
     let keys = GeoKeys::of(&sources.crs)?;
     let ground = Ground::new(
         folder.to_owned(),
@@ -130,7 +133,10 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     let terrain = make_terrain(&sources, options, &plan, folder, &keys, &ground)?;
     if terrain.tiles == 0 {
         return Err(CityError::Unfit {
-            what: "the terrain has no ground where the buildings are".to_owned(),
+            what: format!(
+                "{}: has no ground where the buildings are",
+                options.terrain[0].display()
+            ),
             advice: "check that both files show the same place".to_owned(),
         });
     }
@@ -138,15 +144,19 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     if buildings.is_empty() {
         return Err(CityError::Unfit {
             what: format!(
-                "{}: no footprint could be kept ({:?})",
+                "{}: no footprint could be kept ({} read{})",
                 options.buildings.display(),
-                report.left_out
+                report.read,
+                left_out(&report)
             ),
             advice: "check the layer (--layer) and that it shows the same place as the terrain".to_owned(),
         });
     }
-    let building_map_bytes = make_building_maps(&buildings, &plan, folder, &keys)?;
-    let photo_side = make_photos(&sources, &plan, folder, &keys)?;
+    let (building_map_bytes, building_tiles) = make_building_maps(&buildings, &plan, folder, &keys)?;
+    let (photo_side, photo_tiles) = make_photos(&sources, &plan, folder, &keys)?;
+    if photo_tiles == 0 && !options.photos.is_empty() {
+        warnings.push("no photo lies on the city: check the photos' place and --photo-crs".to_owned());
+    }
     map.finish()?;
 
     let manifest = Manifest {
@@ -166,6 +176,9 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         terrain_error_m: options.terrain_error_m,
         photo_side,
         levels: 1,
+        terrain_tiles: terrain.tiles,
+        building_tiles,
+        photo_tiles,
         buildings: buildings.len() as u64,
         default_height_m: options.default_height_m,
         terrain_triangles: terrain.triangles,
@@ -196,13 +209,47 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     })
 }
 
+/// The old city is replaced whole: a source inside it would be lost.
+fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
+    let Ok(out) = std::fs::canonicalize(&options.out) else {
+        return Ok(());
+    };
+    let inputs = options
+        .terrain
+        .iter()
+        .chain([&options.buildings])
+        .chain(&options.photos);
+    for input in inputs {
+        if std::fs::canonicalize(input).is_ok_and(|input| input.starts_with(&out)) {
+            return Err(CityError::Unfit {
+                what: format!(
+                    "{}: lies inside --out, which the import replaces",
+                    input.display()
+                ),
+                advice: "copy it elsewhere first, or choose another --out".to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
 fn check_numbers(options: &ImportOptions) -> Result<(), CityError> {
+    let storey_height_m = match options.height_rule {
+        Some(HeightRule::Storeys { storey_height_m, .. }) => storey_height_m,
+        _ => 3.0,
+    };
     for (flag, value, range) in [
         ("--texel", options.texel_m, 0.1..=64.0),
         ("--terrain-error", options.terrain_error_m, 0.001..=1000.0),
         ("--default-height", options.default_height_m, 0.01..=2000.0),
         ("--fill", options.fill_m, 0.0..=10_000.0),
         ("--margin", options.margin_m, 0.0..=1_000_000.0),
+        (
+            "--terrain-unit",
+            options.terrain_unit_m.unwrap_or(1.0),
+            0.001..=1000.0,
+        ),
+        ("--storey-height", storey_height_m, 0.5..=50.0),
     ] {
         if !range.contains(&value) {
             return Err(CityError::Unfit {
@@ -225,15 +272,10 @@ impl Sources {
     fn open(options: &ImportOptions) -> Result<Self, CityError> {
         let parse = |text: &Option<String>| text.as_deref().map(Crs::from_text).transpose();
         let city = parse(&options.crs)?;
-        let assumed = |own: Option<Crs>| own.or_else(|| city.clone());
-        let terrain_crs = assumed(parse(&options.terrain_crs)?);
-        let dtm = Dtm::open(&options.terrain, terrain_crs.as_ref(), options.terrain_unit_m)?;
-        let buildings_crs = assumed(parse(&options.buildings_crs)?);
-        let buildings = FootprintSource::open(
-            &options.buildings,
-            options.layer.as_deref(),
-            buildings_crs.as_ref(),
-        )?;
+        let terrain_crs = CrsChoice::new(parse(&options.terrain_crs)?, city.as_ref());
+        let dtm = Dtm::open(&options.terrain, &terrain_crs, options.terrain_unit_m)?;
+        let buildings_crs = CrsChoice::new(parse(&options.buildings_crs)?, city.as_ref());
+        let buildings = FootprintSource::open(&options.buildings, options.layer.as_deref(), &buildings_crs)?;
         let crs = match city {
             Some(crs) => {
                 crs.require_metric()?;
@@ -248,9 +290,9 @@ impl Sources {
                 Crs::utm_of(centre.x, centre.y)?
             }
         };
-        let photo_crs = parse(&options.photo_crs)?.unwrap_or_else(|| crs.clone());
+        let photo_crs = CrsChoice::new(parse(&options.photo_crs)?, Some(&crs));
         let photos = (!options.photos.is_empty())
-            .then(|| Photos::open(&options.photos, Some(&photo_crs), &crs))
+            .then(|| Photos::open(&options.photos, &photo_crs, &crs))
             .transpose()?;
         Ok(Self {
             dtm,
@@ -317,11 +359,17 @@ const MOST_INTERVALS: f64 = 1024.0;
 const MOST_TILES: f64 = 1e6;
 
 impl Plan {
-    fn new(sources: &Sources, options: &ImportOptions, footprints: &[Footprint]) -> Result<Self, CityError> {
+    fn new(
+        sources: &Sources,
+        options: &ImportOptions,
+        footprints: &[Footprint],
+        report: &FootprintReport,
+    ) -> Result<Self, CityError> {
         let terrain = sources.dtm.bounds_in(&sources.crs)?;
-        let mut built = Bounds::EMPTY;
+        let (mut built, mut all) = (Bounds::EMPTY, Bounds::EMPTY);
         for footprint in footprints {
             let bounds = outline_bounds(footprint);
+            all = all.union(&bounds);
             if bounds.meets(&terrain) {
                 built = built.union(&bounds);
             }
@@ -330,10 +378,12 @@ impl Plan {
         if bounds.is_empty() {
             return Err(CityError::Unfit {
                 what: format!(
-                    "no footprint of {} lies on the terrain (in {}: {})",
+                    "{}: no footprint lies on the terrain (terrain: {}; footprints: {}; {} read{})",
                     options.buildings.display(),
-                    sources.crs.name(),
-                    describe(&terrain)
+                    describe(&terrain),
+                    describe(&all),
+                    report.read,
+                    left_out(report)
                 ),
                 advice: "check the files' coordinate reference systems (--buildings-crs, --terrain-crs)"
                     .to_owned(),
@@ -406,7 +456,18 @@ fn outline_bounds(footprint: &Footprint) -> Bounds {
     bounds
 }
 
+/// Why features became no building, for a message.
+fn left_out(report: &FootprintReport) -> String {
+    let reasons = report.left_out.iter();
+    reasons
+        .map(|(why, count)| format!(", {count} left out: {why}"))
+        .collect()
+}
+
 fn describe(bounds: &Bounds) -> String {
+    if bounds.is_empty() {
+        return "none".to_owned();
+    }
     format!(
         "{:.0} to {:.0} east, {:.0} to {:.0} north",
         bounds.west, bounds.east, bounds.south, bounds.north
@@ -453,12 +514,13 @@ fn make_terrain(
             || dtm.sampler(crs),
             |sampler, &id| -> Result<(), CityError> {
                 let path = tile_path(folder, Layer::Terrain, id);
-                let tile = if path.exists() {
-                    Some(codec::read_terrain(
-                        &path,
-                        plan.terrain_side,
-                        plan.terrain_step_m,
-                    )?)
+                // A tile that an interrupted import left unreadable is made again.
+                let left = path
+                    .exists()
+                    .then(|| codec::read_terrain(&path, plan.terrain_side, plan.terrain_step_m).ok())
+                    .flatten();
+                let tile = if left.is_some() {
+                    left
                 } else {
                     let sampler = match sampler {
                         Ok(sampler) => sampler,
@@ -549,10 +611,10 @@ fn stand_on_ground(
     map: &mut MapWriter,
 ) -> Result<Vec<Building>, CityError> {
     let failure: Mutex<Option<CityError>> = Mutex::new(None);
-    let standing: Vec<Result<(Building, bool), u32>> = footprints
+    let standing: Vec<Result<(Building, bool, Option<&'static str>), u32>> = footprints
         .into_par_iter()
         .map(|footprint| {
-            let fid = footprint.fid;
+            let (fid, default_height) = (footprint.fid, footprint.default_height);
             Building::on_ground(footprint, |x, y| {
                 ground.at(x, y).unwrap_or_else(|error| {
                     let mut failure = failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -560,6 +622,7 @@ fn stand_on_ground(
                     None
                 })
             })
+            .map(|(building, partly_missing)| (building, partly_missing, default_height))
             .map_err(|_| fid)
         })
         .collect();
@@ -573,9 +636,12 @@ fn stand_on_ground(
     let mut groundless = Vec::new();
     for result in standing {
         match result {
-            Ok((building, partly_missing)) => {
+            Ok((building, partly_missing, default_height)) => {
                 if partly_missing {
                     report.mend("partly over missing ground: stands on what there is");
+                }
+                if let Some(why) = default_height {
+                    report.default_height(why);
                 }
                 buildings.push(building);
             }
@@ -596,7 +662,7 @@ fn make_building_maps(
     plan: &Plan,
     folder: &Path,
     keys: &GeoKeys,
-) -> Result<u64, CityError> {
+) -> Result<(u64, u64), CityError> {
     let mut by_tile: BTreeMap<TileId, Vec<&Building>> = BTreeMap::new();
     for building in buildings {
         for tile in plan.grid.tiles_meeting(&building.bounds()) {
@@ -605,7 +671,7 @@ fn make_building_maps(
     }
     let tiles: Vec<(TileId, Vec<&Building>)> = by_tile.into_iter().collect();
     let bar = progress("buildings", tiles.len() as u64);
-    let bytes = AtomicU64::new(0);
+    let (bytes, written) = (AtomicU64::new(0), AtomicU64::new(0));
     tiles
         .par_iter()
         .map(|(id, buildings)| -> Result<(), CityError> {
@@ -618,8 +684,10 @@ fn make_building_maps(
             if map.vertices.is_empty() && map.cells.iter().all(|&word| word == 0) {
                 return Ok(()); // only its rectangle touches the tile
             }
+            written.fetch_add(1, Ordering::Relaxed);
             bytes.fetch_add((map.bytes() + map.cells.len() * 4 / 3) as u64, Ordering::Relaxed);
-            if !path.exists() {
+            let left = codec::read_buildings(&path, TILE_TEXELS, f64::from(map.texel_m));
+            if left.is_err() {
                 codec::write_buildings(&path, &bounds, &map, keys)?;
             }
             bar.inc(1);
@@ -627,16 +695,21 @@ fn make_building_maps(
         })
         .collect::<Result<(), _>>()?;
     bar.finish_and_clear();
-    Ok(bytes.into_inner())
+    Ok((bytes.into_inner(), written.into_inner()))
 }
 
 /// Most photo pixels along a tile's side.
 const MOST_PHOTO_PIXELS: usize = 1024;
 
 /// Warps the photos tile by tile; returns the pixels along a side, 0 without photos.
-fn make_photos(sources: &Sources, plan: &Plan, folder: &Path, keys: &GeoKeys) -> Result<usize, CityError> {
+fn make_photos(
+    sources: &Sources,
+    plan: &Plan,
+    folder: &Path,
+    keys: &GeoKeys,
+) -> Result<(usize, u64), CityError> {
     let Some(photos) = &sources.photos else {
-        return Ok(0);
+        return Ok((0, 0));
     };
     let mut side = 64;
     while side < MOST_PHOTO_PIXELS && plan.grid.tile_m / side as f64 > 1.01 * photos.finest_pixel_m() {
@@ -649,14 +722,18 @@ fn make_photos(sources: &Sources, plan: &Plan, folder: &Path, keys: &GeoKeys) ->
         .filter(|&id| photos.meet(&plan.grid.tile_bounds(id)))
         .collect();
     let bar = progress("photos", tiles.len() as u64);
+    let written = AtomicU64::new(0);
     tiles
         .par_iter()
         .map(|&id| -> Result<(), CityError> {
             let path = tile_path(folder, Layer::Photo, id);
-            if !path.exists() {
+            if codec::read_photo(&path, side).is_err() {
                 let bounds = plan.grid.tile_bounds(id);
                 let rgba = photos.warp(crs, &bounds, side)?;
-                if rgba.chunks_exact(4).any(|pixel| pixel[3] > 0) {
+                if rgba.chunks_exact(4).all(|pixel| pixel[3] == 0) {
+                    return Ok(());
+                }
+                {
                     codec::write_photo(&path, &bounds, &PhotoTile { side, rgba }, keys)?;
                 }
             }
@@ -665,5 +742,5 @@ fn make_photos(sources: &Sources, plan: &Plan, folder: &Path, keys: &GeoKeys) ->
         })
         .collect::<Result<(), _>>()?;
     bar.finish_and_clear();
-    Ok(side)
+    Ok((side, written.into_inner()))
 }

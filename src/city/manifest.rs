@@ -33,6 +33,12 @@ pub struct Manifest {
     pub photo_side: usize,
     /// Levels of the tile quadtree present (1 = level 0 only).
     pub levels: u32,
+    /// Terrain tiles on disk.
+    pub terrain_tiles: u64,
+    /// Building-map tiles on disk.
+    pub building_tiles: u64,
+    /// Photo tiles on disk.
+    pub photo_tiles: u64,
     /// Buildings in the digital map.
     pub buildings: u64,
     /// Height of buildings without one, metres.

@@ -29,6 +29,10 @@ impl Staging {
                 });
             }
         }
+        refuse_foreign(
+            target,
+            &["city.toml", "buildings.gpkg", "terrain", "buildings", "photo"],
+        )?;
         let mut name = target.file_name().unwrap_or_default().to_owned();
         if name.is_empty() {
             return Err(CityError::Unfit {
@@ -39,6 +43,18 @@ impl Staging {
         name.push(".partial");
         let folder = target.with_file_name(name);
         let recipe_path = folder.join(RECIPE);
+        refuse_foreign(
+            &folder,
+            &[
+                RECIPE,
+                "city.toml",
+                "buildings.gpkg",
+                "buildings.gpkg-journal",
+                "terrain",
+                "buildings",
+                "photo",
+            ],
+        )?;
         if folder.exists() && fs::read_to_string(&recipe_path).ok().as_deref() != Some(recipe) {
             fs::remove_dir_all(&folder).map_err(CityError::file(&folder))?;
         }
@@ -78,6 +94,25 @@ impl Staging {
             .filter(|parent| !parent.as_os_str().is_empty());
         sync(parent.unwrap_or(Path::new(".")))
     }
+}
+
+/// Refuses a folder that holds what no import made: it would be lost.
+fn refuse_foreign(folder: &Path, own: &[&str]) -> Result<(), CityError> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return Ok(());
+    };
+    for entry in entries.flatten() {
+        if !own.iter().any(|name| entry.file_name() == **name) {
+            return Err(CityError::Unfit {
+                what: format!(
+                    "{}: is not part of a city and would be lost",
+                    entry.path().display()
+                ),
+                advice: "move it elsewhere, or choose another --out".to_owned(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Flushes the file system that holds the folder: one call instead of one per tile.

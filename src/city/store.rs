@@ -65,16 +65,15 @@ impl City {
                 .iter()
                 .all(|&count| count <= MOST_TILE_SAMPLES)
             && manifest.terrain_side >= 2
-            && [
-                grid.west,
-                grid.south,
-                grid.tile_m,
-                manifest.texel_m,
-                manifest.terrain_step_m,
-            ]
-            .iter()
-            .all(|value| value.is_finite())
-            && grid.tile_m > 0.0
+            && grid.columns > 0
+            && grid.rows > 0
+            && [grid.west, grid.south].iter().all(|edge| edge.abs() < 1e9)
+            && (0.01..=1e4).contains(&manifest.texel_m)
+            && (manifest.texel_m * manifest.tile_texels as f64 / grid.tile_m - 1.0).abs() < 1e-6
+            && (manifest.terrain_step_m * (manifest.terrain_side - 1) as f64 / grid.tile_m - 1.0).abs()
+                < 1e-6
+            && manifest.place.latitude_deg.is_finite()
+            && manifest.place.longitude_deg.is_finite()
             && u64::from(grid.columns) * u64::from(grid.rows) <= 1 << 26;
         if !sane {
             return Err(not_a_city("city.toml: its sizes are impossible".to_owned()));
@@ -106,6 +105,35 @@ impl City {
         // A link could lead the reader out of the folder.
         let kind = std::fs::symlink_metadata(&path).ok()?;
         kind.is_file().then_some(path)
+    }
+
+    /// Fails when tiles that the manifest counts are gone.
+    pub fn require_all_tiles(&self) -> Result<(), CityError> {
+        let count = |has: &dyn Fn(TileId) -> bool| {
+            self.manifest.grid.tiles().filter(|&tile| has(tile)).count() as u64
+        };
+        let manifest = &self.manifest;
+        for (layer, found, expected) in [
+            (
+                "terrain",
+                count(&|tile| self.has_terrain(tile)),
+                manifest.terrain_tiles,
+            ),
+            (
+                "buildings",
+                count(&|tile| self.has_buildings(tile)),
+                manifest.building_tiles,
+            ),
+            ("photo", count(&|tile| self.has_photo(tile)), manifest.photo_tiles),
+        ] {
+            if found != expected {
+                return Err(CityError::Tile {
+                    path: self.folder.join(layer),
+                    why: format!("{found} tiles of {expected} are there"),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// True when the tile has ground.

@@ -104,7 +104,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
         "views": rows,
     });
     if args.json {
-        println!("{report}");
+        say!("{report}");
     } else {
         print_table(&report);
     }
@@ -112,13 +112,21 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
 }
 
 fn print_table(report: &Value) {
-    println!(
+    say!(
         "{}: {} buildings, {} bytes resident",
-        report["device"], report["buildings"], report["resident_bytes"]
+        report["device"],
+        report["buildings"],
+        report["resident_bytes"]
     );
-    println!(
+    say!(
         "{:10} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
-        "view", "relief", "ground ms", "buildings ms", "light ms", "wall ms", "reads per ray"
+        "view",
+        "relief",
+        "ground ms",
+        "buildings ms",
+        "light ms",
+        "wall ms",
+        "reads per ray"
     );
     for row in report["views"].as_array().into_iter().flatten() {
         let number = |key: &str| {
@@ -126,7 +134,7 @@ fn print_table(report: &Value) {
                 .as_f64()
                 .map_or("-".to_owned(), |value| format!("{value:.1}"))
         };
-        println!(
+        say!(
             "{:10} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
             row["view"].as_str().unwrap_or(""),
             row["relief"].as_str().unwrap_or(""),

@@ -105,9 +105,9 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
 fn print_report(options: &ImportOptions, report: &ImportReport) {
     let city = &report.manifest;
     let footprints = &city.footprints;
-    println!("{}", options.out.display());
-    println!("  CRS              {}", super::info::crs_name(&city.crs));
-    println!(
+    say!("{}", options.out.display());
+    say!("  CRS              {}", super::info::crs_name(&city.crs));
+    say!(
         "  terrain          {} tiles of {} m, samples {} m apart, {} triangles (grid: {}), {} samples filled",
         report.terrain_tiles,
         city.grid.tile_m,
@@ -116,23 +116,24 @@ fn print_report(options: &ImportOptions, report: &ImportReport) {
         city.grid_triangles,
         report.filled_samples
     );
-    println!("  footprints read  {}", footprints.read);
-    println!("  kept             {}", footprints.kept);
+    say!("  footprints read  {}", footprints.read);
+    say!("  kept             {}", footprints.kept);
     let counted = |title: &str, counts: &std::collections::BTreeMap<String, u64>| {
         for (what, count) in counts {
-            println!("  {title:16} {count}: {what}");
+            say!("  {title:16} {count}: {what}");
         }
     };
     counted("mended", &footprints.mended);
     counted("left out", &footprints.left_out);
     counted("default height", &footprints.default_heights);
     if footprints.duplicates > 0 {
-        println!(
+        say!(
             "  {:16} {}: outline equal to an earlier one",
-            "duplicates", footprints.duplicates
+            "duplicates",
+            footprints.duplicates
         );
     }
     for warning in &report.warnings {
-        println!("  note: {warning}");
+        say!("  note: {warning}");
     }
 }

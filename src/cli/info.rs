@@ -43,29 +43,36 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
             "place": manifest.place,
             "footprints": manifest.footprints,
         });
-        println!("{object}");
+        say!("{object}");
         return Ok(());
     }
-    println!("{}", manifest.name);
-    println!("  CRS            {}", crs_name(&manifest.crs));
-    println!(
+    say!("{}", manifest.name);
+    say!("  CRS            {}", crs_name(&manifest.crs));
+    say!(
         "  extent         {:.1} {:.1} {:.1} {:.1} (west south east north, {square_km:.2} km2)",
-        bounds.west, bounds.south, bounds.east, bounds.north
+        bounds.west,
+        bounds.south,
+        bounds.east,
+        bounds.north
     );
-    println!("  buildings      {}", manifest.buildings);
-    println!(
+    say!("  buildings      {}", manifest.buildings);
+    say!(
         "  tiles          {} x {} of {} m",
-        manifest.grid.columns, manifest.grid.rows, manifest.grid.tile_m
+        manifest.grid.columns,
+        manifest.grid.rows,
+        manifest.grid.tile_m
     );
-    println!(
+    say!(
         "  terrain        {} triangles within {} m (a regular grid: {})",
-        manifest.terrain_triangles, manifest.terrain_error_m, manifest.grid_triangles
+        manifest.terrain_triangles,
+        manifest.terrain_error_m,
+        manifest.grid_triangles
     );
     for (what, bytes) in [
         ("building map ", manifest.building_map_bytes),
         ("as triangles ", manifest.triangle_bytes),
     ] {
-        println!(
+        say!(
             "  {what}  {:.2} MB: {:.0} bytes a building, {:.0} kB/km2",
             bytes as f64 * 1e-6,
             per_building(bytes),

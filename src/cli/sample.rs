@@ -20,7 +20,7 @@ pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
         .iter()
         .map(|path| path.display().to_string())
         .collect();
-    println!(
+    say!(
         "rilievo import --terrain {} --buildings {} --height-field height_m --photo {} --out CITY",
         files.terrain.display(),
         files.buildings.display(),

@@ -133,6 +133,7 @@ const PHOTO_BYTES: u64 = 1 << 30;
 impl Resident {
     /// Loads every tile.
     pub fn load(gpu: &Gpu, city: &City, mesh: TerrainMesh) -> Result<Self, SceneError> {
+        city.require_all_tiles()?;
         let manifest = city.manifest();
         let tiles: Vec<TileId> = manifest.grid.tiles().collect();
         let mut table = vec![[-1_i32; 2]; tiles.len()];

@@ -13,6 +13,8 @@ pub struct Footprint {
     pub outline: MultiPolygon<f64>,
     /// How high it is.
     pub roof: RoofSpec,
+    /// Why it has the default height, when it has.
+    pub default_height: Option<&'static str>,
 }
 
 /// What the map says of the roof.

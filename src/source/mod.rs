@@ -2,11 +2,13 @@
 //!
 //! Everything leaves here in metres and in the city's CRS.
 
+mod crs_choice;
 mod error;
 mod footprint;
 mod raster;
 mod vector;
 
+pub use crs_choice::CrsChoice;
 pub use error::SourceError;
 pub use footprint::{Footprint, HeightRule, RoofSpec};
 pub use raster::{Dtm, DtmSampler, Photos};

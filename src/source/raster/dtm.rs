@@ -10,7 +10,7 @@ use gdal::{Dataset, GeoTransformEx};
 use glam::DVec2;
 
 use super::window::Window;
-use crate::source::SourceError;
+use crate::source::{CrsChoice, SourceError};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Terrain rasters, finest pixels first; where several cover a point the first that knows it counts.
@@ -19,10 +19,18 @@ pub struct Dtm {
     sheets: Vec<Sheet>,
 }
 
-/// Files of one CRS whose pixels lie on one lattice, read as one mosaic.
+/// A file with its place in the sheet, pixels from the sheet's north-west corner.
+#[derive(Clone, Debug)]
+struct SheetFile {
+    path: PathBuf,
+    first: [usize; 2],
+    size: [usize; 2],
+}
+
+/// Files of one CRS whose pixels lie on one lattice, read as one mosaic; later files lie on top.
 #[derive(Clone, Debug)]
 struct Sheet {
-    files: Vec<PathBuf>,
+    files: Vec<SheetFile>,
     crs: Crs,
     pixel_from_ground: [f64; 6],
     ground_from_pixel: [f64; 6],
@@ -35,6 +43,9 @@ struct Sheet {
 /// Lowest and highest believable ground, metres; beyond lie sentinels such as -32768 and 3.4e38.
 const BELIEVABLE_M: std::ops::Range<f64> = -12_000.0..9_000.0;
 
+/// What many writers put for missing ground without declaring it.
+const UNDECLARED_NO_DATA: f64 = -9999.0;
+
 /// Most pixels read at a time for one tile (64 MiB of f32).
 const MOST_PIXELS: usize = 1 << 24;
 
@@ -42,16 +53,16 @@ const MOST_PIXELS: usize = 1 << 24;
 const TRANSFORM_STEP: usize = 16;
 
 impl Dtm {
-    /// Opens the files' headers. `assumed_crs` serves files that name none; `metres_per_unit` overrides
+    /// Opens the files' headers. `choice` decides their CRS; `metres_per_unit` overrides
     /// the vertical unit.
     pub fn open(
         files: &[PathBuf],
-        assumed_crs: Option<&Crs>,
+        choice: &CrsChoice,
         metres_per_unit: Option<f64>,
     ) -> Result<Self, SourceError> {
         let mut sheets: Vec<Sheet> = Vec::new();
         for file in files {
-            let sheet = Sheet::open(file, assumed_crs, metres_per_unit)?;
+            let sheet = Sheet::open(file, choice, metres_per_unit)?;
             match sheets.iter_mut().find(|other| other.shares_lattice(&sheet)) {
                 Some(other) => other.join(sheet)?,
                 None => sheets.push(sheet),
@@ -105,7 +116,7 @@ impl Dtm {
             .map_err(crs_error)?
             .point(sheet.bounds.centre())
             .ok_or_else(|| SourceError::Unfit {
-                path: sheet.files[0].clone(),
+                path: sheet.files[0].path.clone(),
                 what: "lies outside the area of its own coordinate reference system".to_owned(),
                 advice: "check its georeference, or name the right CRS with --terrain-crs EPSG:n".to_owned(),
             })
@@ -150,11 +161,7 @@ impl DtmSampler {
 }
 
 impl Sheet {
-    fn open(
-        path: &Path,
-        assumed_crs: Option<&Crs>,
-        metres_per_unit: Option<f64>,
-    ) -> Result<Self, SourceError> {
+    fn open(path: &Path, choice: &CrsChoice, metres_per_unit: Option<f64>) -> Result<Self, SourceError> {
         let dataset = open_raster(path)?;
         let unfit = |what: &str, advice: &str| SourceError::Unfit {
             path: path.to_owned(),
@@ -187,22 +194,17 @@ impl Sheet {
         let pixel_from_ground = ground_from_pixel
             .invert()
             .map_err(|_| unfit("has a georeference of zero area", "mend it with gdal_edit.py"))?;
-        let crs = match dataset.spatial_ref() {
-            Ok(reference) => Crs::from_gdal(reference).map_err(|source| SourceError::Crs {
-                path: path.to_owned(),
-                source,
-            })?,
-            Err(_) => assumed_crs.cloned().ok_or_else(|| SourceError::NoCrs {
-                path: path.to_owned(),
-                flag: "--terrain-crs",
-            })?,
-        };
+        let crs = choice.of_file(path, dataset.spatial_ref().ok(), "--terrain-crs")?;
         let unit = metres_per_unit
             .or_else(|| metres_of_unit(&band.unit()))
             .or(crs.metres_per_height_unit())
             .unwrap_or(1.0);
         let mut sheet = Self {
-            files: vec![path.to_owned()],
+            files: vec![SheetFile {
+                path: path.to_owned(),
+                first: [0, 0],
+                size: [width, height],
+            }],
             crs,
             pixel_from_ground,
             ground_from_pixel,
@@ -217,7 +219,7 @@ impl Sheet {
 
     fn crs_error(&self, source: crate::space::CrsError) -> SourceError {
         SourceError::Crs {
-            path: self.files[0].clone(),
+            path: self.files[0].path.clone(),
             source,
         }
     }
@@ -261,18 +263,31 @@ impl Sheet {
     }
 
     fn join(&mut self, other: Self) -> Result<(), SourceError> {
-        self.files.extend(other.files);
-        let mosaic = mosaic(&self.files)?;
-        let (width, height) = mosaic.raster_size();
-        self.size = [width, height];
-        self.ground_from_pixel = mosaic.geo_transform().map_err(|e| self.read_error(&e))?;
+        let [ax, adx, _, ay, _, ady] = self.ground_from_pixel;
+        let (bx, by) = (other.ground_from_pixel[0], other.ground_from_pixel[3]);
+        let shift = [((bx - ax) / adx).round() as i64, ((by - ay) / ady).round() as i64];
+        // The sheet grows to hold both; every file keeps its place in it.
+        let grow = shift.map(|pixels| (-pixels).max(0));
+        for file in &mut self.files {
+            file.first = [0, 1].map(|axis| file.first[axis] + grow[axis] as usize);
+        }
+        for mut file in other.files {
+            file.first = [0, 1].map(|axis| file.first[axis] + (shift[axis] + grow[axis]) as usize);
+            self.files.push(file);
+        }
+        self.size = [0, 1].map(|axis| {
+            let ends = self.files.iter().map(|file| file.first[axis] + file.size[axis]);
+            ends.max().unwrap_or(0)
+        });
+        self.ground_from_pixel[0] = ax - grow[0] as f64 * adx;
+        self.ground_from_pixel[3] = ay - grow[1] as f64 * ady;
         self.pixel_from_ground = self.ground_from_pixel.invert().map_err(|e| self.read_error(&e))?;
         self.measure()
     }
 
     fn read_error(&self, error: &gdal::errors::GdalError) -> SourceError {
         SourceError::Read {
-            path: self.files[0].clone(),
+            path: self.files[0].path.clone(),
             why: error.to_string(),
         }
     }
@@ -296,11 +311,17 @@ impl Sheet {
     }
 }
 
-/// One sheet's dataset with the way from the city's CRS to its pixels.
+/// One sheet opened, with the way from the city's CRS to its pixels.
 struct SheetSampler {
     sheet: Sheet,
-    dataset: Dataset,
+    files: Vec<OpenFile>,
     file_from_city: PointTransform,
+}
+
+/// One file of a sheet.
+struct OpenFile {
+    dataset: Dataset,
+    place: SheetFile,
     no_data: Option<f64>,
     scale: f64,
     offset: f64,
@@ -308,19 +329,26 @@ struct SheetSampler {
 
 impl SheetSampler {
     fn open(sheet: &Sheet, city: &Crs) -> Result<Self, SourceError> {
-        let dataset = match sheet.files.as_slice() {
-            [file] => open_raster(file)?,
-            files => mosaic(files)?,
-        };
-        let band = dataset.rasterband(1).map_err(|e| sheet.read_error(&e))?;
+        let files = sheet
+            .files
+            .iter()
+            .map(|place| {
+                let dataset = open_raster(&place.path)?;
+                let band = dataset.rasterband(1).map_err(|e| damaged(&place.path, &e))?;
+                Ok(OpenFile {
+                    no_data: band.no_data_value(),
+                    scale: band.scale().unwrap_or(1.0) * sheet.metres_per_unit,
+                    offset: band.offset().unwrap_or(0.0) * sheet.metres_per_unit,
+                    place: place.clone(),
+                    dataset,
+                })
+            })
+            .collect::<Result<_, _>>()?;
         Ok(Self {
             file_from_city: PointTransform::new(city, &sheet.crs)
                 .map_err(|source| sheet.crs_error(source))?,
-            no_data: band.no_data_value(),
-            scale: band.scale().unwrap_or(1.0) * sheet.metres_per_unit,
-            offset: band.offset().unwrap_or(0.0) * sheet.metres_per_unit,
             sheet: sheet.clone(),
-            dataset,
+            files,
         })
     }
 
@@ -427,34 +455,53 @@ impl SheetSampler {
 
     fn read(&self, low: [usize; 2], high: [usize; 2]) -> Result<Window, SourceError> {
         let size = [high[0] - low[0], high[1] - low[1]];
-        let read_error = |error: gdal::errors::GdalError| self.sheet.read_error(&error);
-        let band = self.dataset.rasterband(1).map_err(read_error)?;
-        let buffer = band
-            .read_as::<f64>(
-                (low[0] as isize, low[1] as isize),
-                (size[0], size[1]),
-                (size[0], size[1]),
-                None::<ResampleAlg>,
-            )
-            .map_err(read_error)?;
-        let heights = buffer
-            .data()
-            .iter()
-            .map(|&value| {
-                let metres = value * self.scale + self.offset;
-                let missing = self.no_data.is_some_and(|no_data| is_no_data(value, no_data));
-                if missing || !BELIEVABLE_M.contains(&metres) {
-                    f32::NAN
-                } else {
-                    metres as f32
-                }
-            })
-            .collect();
-        Ok(Window {
+        let mut window = Window {
             first: low,
             size,
-            heights,
-        })
+            heights: vec![f32::NAN; size[0] * size[1]],
+        };
+        for file in &self.files {
+            file.read_into(&mut window)?;
+        }
+        Ok(window)
+    }
+}
+
+impl OpenFile {
+    /// Lays the file's known pixels over the window.
+    fn read_into(&self, window: &mut Window) -> Result<(), SourceError> {
+        let from = [0, 1].map(|axis| window.first[axis].max(self.place.first[axis]));
+        let to = [0, 1].map(|axis| {
+            (window.first[axis] + window.size[axis]).min(self.place.first[axis] + self.place.size[axis])
+        });
+        if from[0] >= to[0] || from[1] >= to[1] {
+            return Ok(());
+        }
+        let size = (to[0] - from[0], to[1] - from[1]);
+        let corner = [0, 1].map(|axis| (from[axis] - self.place.first[axis]) as isize);
+        let bad = |error: gdal::errors::GdalError| damaged(&self.place.path, &error);
+        let band = self.dataset.rasterband(1).map_err(bad)?;
+        let buffer = band
+            .read_as::<f64>((corner[0], corner[1]), size, size, None::<ResampleAlg>)
+            .map_err(bad)?;
+        for (row, values) in buffer.data().chunks_exact(size.0).enumerate() {
+            let start = (from[1] - window.first[1] + row) * window.size[0] + from[0] - window.first[0];
+            for (height, &value) in window.heights[start..].iter_mut().zip(values) {
+                let metres = value * self.scale + self.offset;
+                let missing = self.no_data.is_some_and(|no_data| is_no_data(value, no_data));
+                if !missing && value != UNDECLARED_NO_DATA && BELIEVABLE_M.contains(&metres) {
+                    *height = metres as f32;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn damaged(path: &Path, error: &gdal::errors::GdalError) -> SourceError {
+    SourceError::Read {
+        path: path.to_owned(),
+        why: error.to_string(),
     }
 }
 
@@ -477,17 +524,6 @@ fn open_raster(path: &Path) -> Result<Dataset, SourceError> {
         path: path.to_owned(),
         why: error.to_string(),
         expected: "raster",
-    })
-}
-
-fn mosaic(files: &[PathBuf]) -> Result<Dataset, SourceError> {
-    let sources = files
-        .iter()
-        .map(|file| open_raster(file))
-        .collect::<Result<Vec<_>, _>>()?;
-    gdal::programs::raster::build_vrt(None, &sources, None).map_err(|error| SourceError::Read {
-        path: files[0].clone(),
-        why: error.to_string(),
     })
 }
 

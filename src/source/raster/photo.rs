@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gdal::raster::{Buffer, GdalDataType};
 use gdal::{Dataset, DriverManager};
 
-use crate::source::SourceError;
+use crate::source::{CrsChoice, SourceError};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Photo files, in the order given; later ones lie on top.
@@ -28,10 +28,10 @@ struct PhotoFile {
 
 impl Photos {
     /// Opens the headers; `city` is the CRS the photos will be drawn in.
-    pub fn open(files: &[PathBuf], assumed_crs: Option<&Crs>, city: &Crs) -> Result<Self, SourceError> {
+    pub fn open(files: &[PathBuf], choice: &CrsChoice, city: &Crs) -> Result<Self, SourceError> {
         let files = files
             .iter()
-            .map(|path| PhotoFile::open(path, assumed_crs, city))
+            .map(|path| PhotoFile::open(path, choice, city))
             .collect::<Result<_, _>>()?;
         Ok(Self { files })
     }
@@ -61,7 +61,7 @@ impl Photos {
 }
 
 impl PhotoFile {
-    fn open(path: &Path, assumed_crs: Option<&Crs>, city: &Crs) -> Result<Self, SourceError> {
+    fn open(path: &Path, choice: &CrsChoice, city: &Crs) -> Result<Self, SourceError> {
         let open_error = |error: gdal::errors::GdalError| SourceError::Open {
             path: path.to_owned(),
             why: error.to_string(),
@@ -72,17 +72,10 @@ impl PhotoFile {
             path: path.to_owned(),
             source,
         };
-        let (crs, assumed_srs) = match dataset.spatial_ref() {
-            Ok(reference) => (Crs::from_gdal(reference).map_err(crs_error)?, None),
-            Err(_) => {
-                let crs = assumed_crs.cloned().ok_or_else(|| SourceError::NoCrs {
-                    path: path.to_owned(),
-                    flag: "--photo-crs",
-                })?;
-                let label = crs.label().to_owned();
-                (crs, Some(label))
-            }
-        };
+        let own = dataset.spatial_ref().ok();
+        let named = own.is_some() && !choice.is_given();
+        let crs = choice.of_file(path, own, "--photo-crs")?;
+        let assumed_srs = (!named).then(|| crs.label().to_owned());
         let transform = dataset.geo_transform().map_err(|_| SourceError::Unfit {
             path: path.to_owned(),
             what: "has no georeference".to_owned(),

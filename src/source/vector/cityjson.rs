@@ -84,7 +84,7 @@ pub fn virtual_path(path: &Path) -> Option<PathBuf> {
     let name = path.file_name()?.to_string_lossy().to_lowercase();
     if name.ends_with(".city.json.zip") {
         let inside = path.file_stem()?.to_owned();
-        return Some(Path::new("/vsizip").join(absolute(path)).join(inside));
+        return Some(in_zip(path).join(inside));
     }
     if !name.ends_with(".json") {
         return None;
@@ -96,9 +96,10 @@ pub fn virtual_path(path: &Path) -> Option<PathBuf> {
         .then(|| path.to_owned())
 }
 
-fn absolute(path: &Path) -> PathBuf {
+/// GDAL's name for the inside of an archive: `/vsizip/` and the absolute path.
+pub fn in_zip(path: &Path) -> PathBuf {
     let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    full.strip_prefix("/").map(Path::to_owned).unwrap_or(full)
+    PathBuf::from(format!("/vsizip/{}", full.display()))
 }
 
 /// Reads the file into an OGR layer named `buildings`, in memory.
@@ -265,18 +266,20 @@ fn plan_of(object: &CityObject, city: &CityJson) -> Option<(MultiPolygon<f64>, [
         low = low.min(point.z);
         high = high.max(point.z);
     }
-    let grounds: Vec<Polygon<f64>> = surfaces
-        .iter()
-        .filter(|surface| surface.is_ground.unwrap_or_else(|| faces_down(&surface.rings[0])))
-        .filter_map(|surface| {
-            let mut rings = surface
-                .rings
+    // The ground as the semantics or the normals tell; a model without a floor is covered by its roofs.
+    let has_floor = |surface: &&Surface| {
+        surface
+            .is_ground
+            .unwrap_or_else(|| lean(&surface.rings[0]) < -0.7)
+    };
+    let mut grounds = plans(surfaces.iter().filter(has_floor));
+    if grounds.is_empty() {
+        grounds = plans(
+            surfaces
                 .iter()
-                .map(|ring| LineString::new(ring.iter().map(|p| Coord { x: p.x, y: p.y }).collect()));
-            let polygon = Polygon::new(rings.next()?, rings.collect());
-            polygon.is_valid().then_some(polygon)
-        })
-        .collect();
+                .filter(|surface| lean(&surface.rings[0]).abs() > 0.05),
+        );
+    }
     if grounds.is_empty() {
         return None;
     }
@@ -337,11 +340,25 @@ fn vertex(index: &Value, city: &CityJson) -> Option<DVec3> {
     })
 }
 
-/// True when the ring's normal (Newell) points down, within 45 degrees.
-fn faces_down(ring: &[DVec3]) -> bool {
+/// The surfaces seen from above, those that are valid polygons.
+fn plans<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> Vec<Polygon<f64>> {
+    surfaces
+        .filter_map(|surface| {
+            let mut rings = surface
+                .rings
+                .iter()
+                .map(|ring| LineString::new(ring.iter().map(|p| Coord { x: p.x, y: p.y }).collect()));
+            let polygon = Polygon::new(rings.next()?, rings.collect());
+            polygon.is_valid().then_some(polygon)
+        })
+        .collect()
+}
+
+/// Height of the ring's unit normal (Newell): -1 faces down, 0 stands upright, 1 faces up.
+fn lean(ring: &[DVec3]) -> f64 {
     let mut normal = DVec3::ZERO;
     for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
         normal += (a - ring[0]).cross(b - ring[0]);
     }
-    normal.z < -0.7 * normal.length()
+    normal.normalize_or_zero().z
 }

@@ -67,7 +67,15 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
     if multi.0.is_empty() {
         return Err("an outline of fewer than three different points");
     }
-    if !multi.is_valid() {
+    let simple = if vertex_count(&multi) > MANY_VERTICES {
+        geos_valid(&multi)
+    } else {
+        multi.is_valid()
+    };
+    if !simple {
+        if is_tangled(&multi) {
+            return Err("an outline too tangled to mend");
+        }
         multi = make_valid(&multi).ok_or("an outline beyond repair")?;
         report.rebuilt = true;
     }
@@ -78,6 +86,42 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
         return Err("an outline without area");
     }
     Ok((multi.orient(Direction::Default), report))
+}
+
+/// Outlines beyond this are tested by GEOS, whose cost does not grow with the square of the vertices.
+const MANY_VERTICES: usize = 1000;
+
+/// Outlines that cross themselves more often are no outlines, and mending them would not end.
+const MOST_CROSSINGS: usize = 1000;
+
+fn vertex_count(multi: &MultiPolygon<f64>) -> usize {
+    use geo::CoordsIter;
+    multi.coords_count()
+}
+
+fn geos_valid(multi: &MultiPolygon<f64>) -> bool {
+    Geometry::from_wkb(&super::feature::wkb_of(multi)).is_ok_and(|geometry| geometry.is_valid())
+}
+
+/// True when edges cross more often than can be mended, or there are too many edges to tell.
+fn is_tangled(multi: &MultiPolygon<f64>) -> bool {
+    use geo::{Intersects, LinesIter};
+    let lines: Vec<_> = multi.lines_iter().collect();
+    if lines.len() > 30_000 {
+        return true;
+    }
+    let mut crossings = 0;
+    for (index, line) in lines.iter().enumerate() {
+        crossings += lines[index + 1..]
+            .iter()
+            .filter(|other| line.intersects(*other))
+            .count();
+        // Neighbours meet once each.
+        if crossings > MOST_CROSSINGS + lines.len() {
+            return true;
+        }
+    }
+    false
 }
 
 /// Drops repeated points and the closing one. True when a real repeat was dropped.

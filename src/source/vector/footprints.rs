@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::clean::{CleanReport, Outline, clean_outline};
 use super::feature::{FieldPlace, collect_polygons, column_text};
 use super::{FootprintReport, MapWriter, cityjson};
-use crate::source::{Footprint, HeightRule, RoofSpec, SourceError};
+use crate::source::{CrsChoice, Footprint, HeightRule, RoofSpec, SourceError};
 use crate::space::{Crs, PointTransform};
 
 /// One layer of a vector file.
@@ -28,6 +28,8 @@ pub struct FootprintSource {
     is_cityjson: bool,
     /// Building ids: the feature's place (source files) or its FID (the digital map of record).
     ids_are_fids: bool,
+    /// The driver ends a damaged file like a whole one; its error messages and its own count tell.
+    reads_past_damage: bool,
 }
 
 /// A cleaned outline with what was changed, or why there is none.
@@ -46,7 +48,7 @@ struct Raw {
 
 impl FootprintSource {
     /// Opens a file and picks its layer: the named one, or the only one with areas.
-    pub fn open(path: &Path, layer: Option<&str>, assumed_crs: Option<&Crs>) -> Result<Self, SourceError> {
+    pub fn open(path: &Path, layer: Option<&str>, choice: &CrsChoice) -> Result<Self, SourceError> {
         let (dataset, cityjson_crs, is_cityjson) = match cityjson::virtual_path(path) {
             Some(virtual_path) => {
                 let (dataset, crs) = cityjson::open(path, &virtual_path)?;
@@ -71,21 +73,24 @@ impl FootprintSource {
             is_cad,
             is_cityjson,
             ids_are_fids: false,
+            reads_past_damage: driver == "FlatGeobuf" || driver == "ESRI Shapefile",
         };
         source.pick_layer(layer)?;
-        source.crs = match (cityjson_crs, source.layer_crs()?) {
-            (Some(crs), _) | (None, Some(crs)) => crs,
-            (None, None) => assumed_crs.cloned().ok_or_else(|| SourceError::NoCrs {
-                path: path.to_owned(),
-                flag: "--buildings-crs",
-            })?,
+        let own = match cityjson_crs {
+            Some(crs) => crs.reference().ok(),
+            None => source.layer()?.spatial_ref(),
         };
+        source.crs = choice.of_file(path, own, "--buildings-crs")?;
         Ok(source)
     }
 
     /// Opens a city's digital map of record, where a building's id is its FID.
     pub fn open_digital_map(path: &Path) -> Result<Self, SourceError> {
-        let mut source = Self::open(path, Some(super::digital_map::LAYER), None)?;
+        let mut source = Self::open(
+            path,
+            Some(super::digital_map::LAYER),
+            &CrsChoice::as_the_file_says(),
+        )?;
         source.ids_are_fids = true;
         Ok(source)
     }
@@ -211,21 +216,6 @@ impl FootprintSource {
         }
     }
 
-    fn layer_crs(&self) -> Result<Option<Crs>, SourceError> {
-        let Some(reference) = self.layer()?.spatial_ref() else {
-            return Ok(None);
-        };
-        if reference.is_local() {
-            return Ok(None);
-        }
-        Crs::from_gdal(reference)
-            .map(Some)
-            .map_err(|source| SourceError::Crs {
-                path: self.path.clone(),
-                source,
-            })
-    }
-
     /// Reads every feature into the city's CRS; kept ones go to `each` and, with their attributes, to `map`.
     pub fn read(
         &self,
@@ -247,6 +237,11 @@ impl FootprintSource {
         let mut report = FootprintReport::default();
         let mut seen = HashSet::new();
         let mut place: u32 = 0;
+        let counted = if self.reads_past_damage {
+            layer.feature_count()
+        } else {
+            0
+        };
         let mut features = layer.features();
         loop {
             let mut batch: Vec<(Feature<'_>, Raw)> = Vec::new();
@@ -270,6 +265,11 @@ impl FootprintSource {
                 }
                 break;
             }
+            if self.reads_past_damage
+                && let Some(why) = gdal_failure()
+            {
+                return Err(self.read_error(why));
+            }
             report.read += batch.len() as u64;
             let cleaned = self.clean(batch.iter().map(|(_, raw)| raw).collect(), city)?;
             for ((feature, raw), outline) in batch.into_iter().zip(cleaned) {
@@ -285,19 +285,21 @@ impl FootprintSource {
                 if !seen.insert(fingerprint(&outline)) {
                     report.duplicates += 1;
                 }
-                let roof = raw.roof.unwrap_or_else(|why| {
-                    report.default_height(why);
-                    RoofSpec::HeightAboveBase(default_height_m)
-                });
+                let default = RoofSpec::HeightAboveBase(default_height_m);
                 if let Some(map) = map.as_deref_mut() {
                     map.add(&feature, raw.place, &outline)?;
                 }
                 each(Footprint {
                     fid: raw.place,
                     outline,
-                    roof,
+                    roof: raw.roof.unwrap_or(default),
+                    default_height: raw.roof.err(),
                 });
             }
+        }
+        if report.read < counted {
+            let why = format!("{} of {counted} features could be read", report.read);
+            return Err(self.read_error(why));
         }
         Ok(report)
     }
@@ -361,6 +363,9 @@ impl FootprintSource {
                 if raw.outline.polygons.is_empty() {
                     raw.left_out = Some("not an area");
                 }
+            }
+            _ if self.is_cityjson => {
+                raw.left_out = Some("no surface of its own (parts are features of their own)")
             }
             _ => raw.left_out = Some("no geometry"),
         }
@@ -435,8 +440,14 @@ fn may_hold_areas(defn: &Defn) -> bool {
 }
 
 fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
+    let zipped = path.extension().is_some_and(|extension| extension == "zip");
+    let name = if zipped {
+        super::cityjson::in_zip(path)
+    } else {
+        path.to_owned()
+    };
     Dataset::open_ex(
-        path,
+        &name,
         DatasetOptions {
             open_flags: GdalOpenFlags::GDAL_OF_VECTOR
                 | GdalOpenFlags::GDAL_OF_READONLY
