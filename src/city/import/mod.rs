@@ -1,0 +1,175 @@
+//! Survey files to a city folder, tile by tile.
+//!
+//! ```text
+//! footprints ─▶ digital map ─┐
+//! DTM ─▶ terrain tiles ─▶ bases ─▶ building-map tiles ─▶ manifest
+//! photos ─▶ photo tiles ───────────────────────────────────┘
+//! ```
+//! Memory: the footprints, 192 MiB of ground and a few tiles a thread. All cores. Everything goes to a staging
+//! folder (`staging`), whose finished tiles a later run of the same import keeps.
+
+mod buildings;
+mod options;
+mod photos;
+mod plan;
+mod progress;
+mod sources;
+mod terrain;
+
+use buildings::{make_building_maps, stand_on_ground};
+use options::{check_numbers, recipe, refuse_inputs_inside};
+use photos::make_photos;
+use plan::{Plan, left_out};
+use progress::progress;
+use sources::Sources;
+use terrain::make_terrain;
+
+pub use options::ImportOptions;
+
+use super::geotiff::GeoKeys;
+use super::ground::Ground;
+use super::manifest::FORMAT;
+use super::staging::Staging;
+use super::{CityError, Manifest};
+use crate::buildings::triangle_bytes;
+use crate::source::{Footprint, HeightRule, MapWriter};
+
+/// Texels along a tile's side.
+pub const TILE_TEXELS: usize = 512;
+
+/// What an import did.
+#[derive(Clone, Debug)]
+pub struct ImportReport {
+    /// The city as written.
+    pub manifest: Manifest,
+    /// Things the user should know, each with what to do.
+    pub warnings: Vec<String>,
+    /// Terrain tiles with ground.
+    pub terrain_tiles: u64,
+    /// Samples filled in narrow holes.
+    pub filled_samples: u64,
+}
+
+/// Makes a city.
+pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
+    check_numbers(options)?;
+    let mut warnings = Vec::new();
+    let sources = Sources::open(options)?;
+    let recipe = recipe(options)?;
+    refuse_inputs_inside(options)?;
+    let staging = Staging::open(&options.out, &recipe.text)?;
+    let folder = staging.folder();
+
+    let rule = match &options.height_rule {
+        Some(rule) => rule.clone(),
+        None => sources.buildings.default_rule(),
+    };
+    if rule == HeightRule::Default {
+        let fields = sources.buildings.field_names()?;
+        warnings.push(format!(
+            "no height field named: every building is {} m high; choose one with --height-field, --storeys-field or --roof-field (the file's fields: {})",
+            options.default_height_m,
+            fields.join(", ")
+        ));
+    }
+    let mut map = MapWriter::create(&folder.join("buildings.gpkg"), &sources.crs)?;
+    let spinner = progress("footprints", 0);
+    let mut footprints: Vec<Footprint> = Vec::new();
+    let mut report = sources.buildings.read(
+        &sources.crs,
+        &rule,
+        options.default_height_m,
+        Some(&mut map),
+        |footprint| {
+            spinner.inc(1);
+            footprints.push(footprint);
+        },
+    )?;
+    spinner.finish_and_clear();
+
+    let plan = Plan::new(&sources, options, &footprints, &report)?;
+    let keys = GeoKeys::of(&sources.crs)?;
+    let ground = Ground::new(
+        folder.to_owned(),
+        plan.grid,
+        plan.terrain_side,
+        plan.terrain_step_m,
+    );
+    let terrain = make_terrain(&sources, options, &plan, folder, &keys, &ground)?;
+    if terrain.tiles == 0 {
+        return Err(CityError::Unfit {
+            what: format!(
+                "{}: has no ground where the buildings are",
+                options.terrain[0].display()
+            ),
+            advice: "check that both files show the same place".to_owned(),
+        });
+    }
+    let buildings = stand_on_ground(footprints, &ground, &mut report, &mut map)?;
+    if buildings.is_empty() {
+        return Err(CityError::Unfit {
+            what: format!(
+                "{}: no footprint could be kept ({} read{})",
+                options.buildings.display(),
+                report.read,
+                left_out(&report)
+            ),
+            advice: "check the layer (--layer) and that it shows the same place as the terrain".to_owned(),
+        });
+    }
+    let (building_map_bytes, building_tiles) = make_building_maps(&buildings, &plan, folder, &keys)?;
+    let (photo_side, photo_tiles) = make_photos(&sources, &plan, folder, &keys)?;
+    if photo_tiles == 0 && !options.photos.is_empty() {
+        warnings.push("no photo lies on the city: check the photos' place and --photo-crs".to_owned());
+    }
+    map.finish()?;
+
+    let manifest = Manifest {
+        format: FORMAT,
+        name: options
+            .out
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
+        crs: sources.crs.label().to_owned(),
+        units: "metre".to_owned(),
+        texel_m: plan.grid.tile_m / TILE_TEXELS as f64,
+        tile_texels: TILE_TEXELS,
+        terrain_step_m: plan.terrain_step_m,
+        terrain_side: plan.terrain_side,
+        terrain_error_m: options.terrain_error_m,
+        photo_side,
+        levels: 1,
+        terrain_tiles: terrain.tiles,
+        building_tiles,
+        photo_tiles,
+        buildings: buildings.len() as u64,
+        default_height_m: options.default_height_m,
+        terrain_triangles: terrain.triangles,
+        grid_triangles: terrain.grid_triangles,
+        building_map_bytes,
+        triangle_bytes: buildings
+            .iter()
+            .map(|building| triangle_bytes(&building.outline))
+            .sum(),
+        place: sources.crs.place_of(plan.grid.bounds().centre())?,
+        grid: plan.grid,
+        height_rule: rule,
+        sources: recipe.records,
+        footprints: report,
+    };
+    let text = toml::to_string_pretty(&manifest).map_err(|error| CityError::File {
+        path: folder.join("city.toml"),
+        why: error.to_string(),
+    })?;
+    let path = folder.join("city.toml");
+    std::fs::write(&path, text).map_err(CityError::file(&path))?;
+    staging.finish()?;
+    Ok(ImportReport {
+        manifest,
+        warnings,
+        terrain_tiles: terrain.tiles,
+        filled_samples: terrain.filled,
+    })
+}

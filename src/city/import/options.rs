@@ -1,0 +1,133 @@
+//! What an import is asked, and which askings are refused.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::city::{CityError, SourceRecord};
+use crate::source::HeightRule;
+
+/// What `rilievo import` was asked.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ImportOptions {
+    /// Terrain rasters.
+    pub terrain: Vec<PathBuf>,
+    /// Footprint file.
+    pub buildings: PathBuf,
+    /// Its layer.
+    pub layer: Option<String>,
+    /// Which attribute gives heights; none = what the format itself knows.
+    pub height_rule: Option<HeightRule>,
+    /// Height of buildings without one, metres.
+    pub default_height_m: f64,
+    /// Aerial photos.
+    pub photos: Vec<PathBuf>,
+    /// The city's CRS; none = the terrain's if it will do, else the UTM zone.
+    pub crs: Option<String>,
+    /// CRS of terrain files that name none.
+    pub terrain_crs: Option<String>,
+    /// CRS of a footprint file that names none.
+    pub buildings_crs: Option<String>,
+    /// CRS of photos that name none.
+    pub photo_crs: Option<String>,
+    /// Metres per vertical unit of the terrain; none = what the files say.
+    pub terrain_unit_m: Option<f64>,
+    /// Bound on the terrain mesh's error, metres.
+    pub terrain_error_m: f64,
+    /// Widest hole in the terrain that is filled, metres.
+    pub fill_m: f64,
+    /// Terrain kept around the buildings, metres.
+    pub margin_m: f64,
+    /// Side of a building-map texel, metres.
+    pub texel_m: f64,
+    /// The city folder to make.
+    pub out: PathBuf,
+}
+
+/// The old city is replaced whole: a source inside it would be lost.
+pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
+    let Ok(out) = std::fs::canonicalize(&options.out) else {
+        return Ok(());
+    };
+    let inputs = options
+        .terrain
+        .iter()
+        .chain([&options.buildings])
+        .chain(&options.photos);
+    for input in inputs {
+        if std::fs::canonicalize(input).is_ok_and(|input| input.starts_with(&out)) {
+            return Err(CityError::Unfit {
+                what: format!(
+                    "{}: lies inside --out, which the import replaces",
+                    input.display()
+                ),
+                advice: "copy it elsewhere first, or choose another --out".to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+pub fn check_numbers(options: &ImportOptions) -> Result<(), CityError> {
+    let storey_height_m = match options.height_rule {
+        Some(HeightRule::Storeys { storey_height_m, .. }) => storey_height_m,
+        _ => 3.0,
+    };
+    for (flag, value, range) in [
+        ("--texel", options.texel_m, 0.1..=64.0),
+        ("--terrain-error", options.terrain_error_m, 0.001..=1000.0),
+        ("--default-height", options.default_height_m, 0.01..=2000.0),
+        ("--fill", options.fill_m, 0.0..=10_000.0),
+        ("--margin", options.margin_m, 0.0..=1_000_000.0),
+        (
+            "--terrain-unit",
+            options.terrain_unit_m.unwrap_or(1.0),
+            0.001..=1000.0,
+        ),
+        ("--storey-height", storey_height_m, 0.5..=50.0),
+    ] {
+        if !range.contains(&value) {
+            return Err(CityError::Unfit {
+                what: format!("{flag} {value} is out of range"),
+                advice: format!("give a value from {} to {}", range.start(), range.end()),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The text that decides whether tiles of an earlier run can be kept, and the sources for the manifest.
+pub struct Recipe {
+    /// Options, and every source's size and time.
+    pub text: String,
+    /// The sources.
+    pub records: Vec<SourceRecord>,
+}
+
+/// The options and every source's size and time: an import with the same recipe makes the same tiles.
+pub fn recipe(options: &ImportOptions) -> Result<Recipe, CityError> {
+    let mut records = Vec::new();
+    let mut text = format!("rilievo {}\n", env!("CARGO_PKG_VERSION"));
+    text += &serde_json::to_string(options).unwrap_or_default();
+    let roles = [
+        ("terrain", options.terrain.as_slice()),
+        ("buildings", std::slice::from_ref(&options.buildings)),
+        ("photo", options.photos.as_slice()),
+    ];
+    for (role, path) in roles
+        .iter()
+        .flat_map(|(role, paths)| paths.iter().map(move |path| (role, path)))
+    {
+        let (bytes, modified) = match std::fs::metadata(path) {
+            Ok(data) => (data.len(), data.modified().ok()),
+            Err(_) => (0, None), // GDAL's own names, such as /vsizip/..
+        };
+        text += &format!("\n{role} {} {bytes} {modified:?}", path.display());
+        records.push(SourceRecord {
+            role: (*role).to_owned(),
+            path: path.display().to_string(),
+            bytes,
+        });
+    }
+    Ok(Recipe { text, records })
+}

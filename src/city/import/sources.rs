@@ -1,0 +1,54 @@
+//! The source files opened, and the city's CRS decided.
+
+use super::ImportOptions;
+use crate::city::CityError;
+use crate::source::{CrsChoice, Dtm, FootprintSource, Photos};
+use crate::space::Crs;
+
+/// Opened sources.
+pub struct Sources {
+    /// Terrain.
+    pub dtm: Dtm,
+    /// Footprints.
+    pub buildings: FootprintSource,
+    /// Photos.
+    pub photos: Option<Photos>,
+    /// The city's.
+    pub crs: Crs,
+}
+
+impl Sources {
+    /// Opens all files' headers.
+    pub fn open(options: &ImportOptions) -> Result<Self, CityError> {
+        let parse = |text: &Option<String>| text.as_deref().map(Crs::from_text).transpose();
+        let city = parse(&options.crs)?;
+        let terrain_crs = CrsChoice::new(parse(&options.terrain_crs)?, city.as_ref());
+        let dtm = Dtm::open(&options.terrain, &terrain_crs, options.terrain_unit_m)?;
+        let buildings_crs = CrsChoice::new(parse(&options.buildings_crs)?, city.as_ref());
+        let buildings = FootprintSource::open(&options.buildings, options.layer.as_deref(), &buildings_crs)?;
+        let crs = match city {
+            Some(crs) => {
+                crs.require_metric()?;
+                crs
+            }
+            None if dtm.crs().is_metric()? => dtm.crs().clone(),
+            None => {
+                let centre = match buildings.centre_on_globe() {
+                    Some(centre) => centre,
+                    None => dtm.centre_on_globe()?,
+                };
+                Crs::utm_of(centre.x, centre.y)?
+            }
+        };
+        let photo_crs = CrsChoice::new(parse(&options.photo_crs)?, Some(&crs));
+        let photos = (!options.photos.is_empty())
+            .then(|| Photos::open(&options.photos, &photo_crs, &crs))
+            .transpose()?;
+        Ok(Self {
+            dtm,
+            buildings,
+            photos,
+            crs,
+        })
+    }
+}

@@ -1,0 +1,143 @@
+//! Terrain tiles: sampled, filled, tessellated.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::ImportOptions;
+use super::plan::Plan;
+use super::progress::progress;
+use super::sources::Sources;
+use crate::city::CityError;
+use crate::city::codec::{self, TerrainTile};
+use crate::city::geotiff::GeoKeys;
+use crate::city::ground::Ground;
+use crate::city::store::{Layer, tile_path};
+use crate::source::DtmSampler;
+use crate::space::TileId;
+use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, tin_triangles};
+
+/// Counts over all tiles.
+pub struct TerrainTotals {
+    /// Tiles with ground.
+    pub tiles: u64,
+    /// Triangles of the irregular network.
+    pub triangles: u64,
+    /// Triangles of the regular grid.
+    pub grid_triangles: u64,
+    /// Samples filled in narrow holes.
+    pub filled: u64,
+}
+
+/// Makes every terrain tile that is not there yet.
+pub fn make_terrain(
+    sources: &Sources,
+    options: &ImportOptions,
+    plan: &Plan,
+    folder: &Path,
+    keys: &GeoKeys,
+    ground: &Ground,
+) -> Result<TerrainTotals, CityError> {
+    let tiles: Vec<TileId> = plan.grid.tiles().collect();
+    let bar = progress("terrain", tiles.len() as u64);
+    let totals = [const { AtomicU64::new(0) }; 4];
+    let (dtm, crs) = (&sources.dtm, &sources.crs);
+    tiles
+        .par_iter()
+        .with_min_len(4)
+        .map_init(
+            || dtm.sampler(crs),
+            |sampler, &id| -> Result<(), CityError> {
+                let path = tile_path(folder, Layer::Terrain, id);
+                // A tile that an interrupted import left unreadable is made again.
+                let left = path
+                    .exists()
+                    .then(|| codec::read_terrain(&path, plan.terrain_side, plan.terrain_step_m).ok())
+                    .flatten();
+                let tile = if left.is_some() {
+                    left
+                } else {
+                    let sampler = match sampler {
+                        Ok(sampler) => sampler,
+                        Err(_) => &mut dtm.sampler(crs)?,
+                    };
+                    let (tile, filled) = terrain_tile(sampler, plan, id, options.terrain_error_m)?;
+                    totals[3].fetch_add(filled, Ordering::Relaxed);
+                    if let Some(tile) = &tile {
+                        codec::write_terrain(&path, &plan.grid.tile_bounds(id), tile, keys)?;
+                    }
+                    tile
+                };
+                if let Some(tile) = &tile {
+                    totals[0].fetch_add(1, Ordering::Relaxed);
+                    totals[1].fetch_add(tile.triangles.len() as u64, Ordering::Relaxed);
+                    totals[2].fetch_add(grid_triangles(&tile.ground).len() as u64, Ordering::Relaxed);
+                }
+                ground.keep(id, tile.map(|tile| Arc::new(tile.ground)));
+                bar.inc(1);
+                Ok(())
+            },
+        )
+        .collect::<Result<(), _>>()?;
+    bar.finish_and_clear();
+    let [tiles, triangles, grid_triangles, filled] = totals.map(AtomicU64::into_inner);
+    Ok(TerrainTotals {
+        tiles,
+        triangles,
+        grid_triangles,
+        filled,
+    })
+}
+
+/// Samples, fills and tessellates one tile; none where there is no ground. Beside it the samples filled.
+fn terrain_tile(
+    sampler: &mut DtmSampler,
+    plan: &Plan,
+    id: TileId,
+    tolerance_m: f64,
+) -> Result<(Option<TerrainTile>, u64), CityError> {
+    let side = plan.terrain_side;
+    let intervals = side as i64 - 1;
+    let corner = DVec2::new(plan.grid.west, plan.grid.south);
+    let first = [i64::from(id.x) * intervals, i64::from(id.y) * intervals];
+    let lattice = |sampler: &mut DtmSampler, margin: usize| {
+        let first = first.map(|index| index - margin as i64);
+        sampler.lattice(corner, plan.terrain_step_m, first, [side + 2 * margin; 2])
+    };
+    let mut apron = lattice(sampler, 1)?;
+    let missing = |heights: &[f32]| heights.iter().filter(|height| !height.is_finite()).count() as u64;
+    let mut filled = 0;
+    if missing(&apron) > 0 && plan.fill_samples > 0 {
+        let margin = plan.fill_samples + 2;
+        let wide_side = side + 2 * margin;
+        let mut wide = lattice(sampler, margin)?;
+        fill_gaps(&mut wide, [wide_side; 2], plan.fill_samples);
+        let before = missing(&apron);
+        apron = cut(&wide, wide_side, margin - 1, side + 2);
+        filled = before - missing(&apron);
+    }
+    let ground = HeightTile {
+        side,
+        step_m: plan.terrain_step_m,
+        heights: cut(&apron, side + 2, 1, side),
+    };
+    if ground.range().is_none() {
+        return Ok((None, filled));
+    }
+    let triangles = tin_triangles(&ground, &Apron(&apron), tolerance_m as f32);
+    let tile = (!triangles.is_empty()).then_some(TerrainTile { ground, triangles });
+    Ok((tile, filled))
+}
+
+/// The square of `side` samples that starts `margin` in from the corner.
+fn cut(heights: &[f32], wide: usize, margin: usize, side: usize) -> Vec<f32> {
+    (0..side)
+        .flat_map(|row| {
+            let start = (row + margin) * wide + margin;
+            heights[start..start + side].iter().copied()
+        })
+        .collect()
+}
