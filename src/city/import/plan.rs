@@ -24,6 +24,12 @@ pub struct Plan {
 /// samples cannot lie on those, a coarse lattice would cut the bends off (by a quarter of the step times the bend).
 const MOST_STEP_M: f64 = 4.0;
 
+/// Distance between samples where the city has few enough of them.
+const CLOSE_STEP_M: f64 = 1.0;
+
+/// Few enough samples: 64 MiB of heights.
+const CLOSE_SAMPLES: f64 = 16e6;
+
 /// Samples that a file's pixel gets at least, where its own cannot be used.
 const SAMPLES_PER_PIXEL: f64 = 4.0;
 
@@ -83,6 +89,11 @@ impl Plan {
             .max(0.5 * options.texel_m);
         let mut intervals = 16;
         while tile_m / intervals as f64 > wanted && (intervals as f64) < MOST_INTERVALS {
+            intervals *= 2;
+        }
+        // A small city can afford closer samples, and with them a smaller part of its bends cut off.
+        let samples = |intervals: usize| tiles * (intervals * intervals) as f64;
+        while tile_m / intervals as f64 > CLOSE_STEP_M && samples(2 * intervals) <= CLOSE_SAMPLES {
             intervals *= 2;
         }
         // Bilinear needs both neighbours, so a hole of w metres is w + a pixel wide here.
