@@ -1,7 +1,5 @@
 //! The commands and their flags.
 
-use std::path::PathBuf;
-
 use clap::{Parser, Subcommand};
 
 /// Survey data in, a true city out.
@@ -24,19 +22,9 @@ pub enum Command {
     /// Make a city folder from survey files.
     Import(super::import::ImportArgs),
     /// Say what a city holds.
-    Info(InfoArgs),
+    Info(super::info::InfoArgs),
     /// Draw one view to a PNG.
     Render(super::render::RenderArgs),
     /// Time the frames of some views.
     Bench(super::bench::BenchArgs),
-}
-
-/// Flags of `info`.
-#[derive(Debug, clap::Args)]
-pub struct InfoArgs {
-    /// The city folder.
-    pub city: PathBuf,
-    /// Print one JSON object.
-    #[arg(long)]
-    pub json: bool,
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::CommandError;
 use crate::city::{ImportOptions, ImportReport, import};
 use crate::source::HeightRule;
+use crate::space::Crs;
 
 /// Flags of `import`.
 #[derive(Debug, clap::Args)]
@@ -106,7 +107,7 @@ fn print_report(options: &ImportOptions, report: &ImportReport) {
     let city = &report.manifest;
     let footprints = &city.footprints;
     say!("{}", options.out.display());
-    say!("  CRS              {}", super::info::crs_name(&city.crs));
+    say!("  CRS              {}", Crs::short_label(&city.crs));
     say!(
         "  terrain          {} tiles of {} m, samples {} m apart, {} triangles (grid: {}), {} samples filled",
         report.terrain_tiles,

@@ -1,18 +1,21 @@
 //! `rilievo info`: what a city holds.
 
+use std::path::PathBuf;
+
 use serde_json::json;
 
 use super::CommandError;
-use super::args::InfoArgs;
 use crate::city::City;
+use crate::space::Crs;
 
-/// A CRS's code, or a word for a long WKT.
-pub fn crs_name(label: &str) -> &str {
-    if label.starts_with("EPSG:") {
-        label
-    } else {
-        "without a code (WKT in city.toml)"
-    }
+/// Flags of `info`.
+#[derive(Debug, clap::Args)]
+pub struct InfoArgs {
+    /// The city folder.
+    pub city: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Prints the city's figures.
@@ -47,7 +50,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
         return Ok(());
     }
     say!("{}", manifest.name);
-    say!("  CRS            {}", crs_name(&manifest.crs));
+    say!("  CRS            {}", Crs::short_label(&manifest.crs));
     say!(
         "  extent         {:.1} {:.1} {:.1} {:.1} (west south east north, {square_km:.2} km2)",
         bounds.west,

@@ -3,8 +3,8 @@
 
 use super::MapBindings;
 use super::bindings::{FLOAT, group_of, layout_of, texture};
-use super::pass::ReliefTargets;
 use super::shaders::EXACT;
+use super::targets::ReliefTargets;
 use crate::gpu::{Gpu, shader_module};
 use crate::scene::{Frustum, Resident, nearest_first};
 use crate::space::View;
@@ -48,13 +48,13 @@ impl ExactPass {
                         cull_mode,
                         ..Default::default()
                     },
-                    depth_stencil: Some(super::pass::reversed_depth()),
+                    depth_stencil: Some(super::targets::reversed_depth()),
                     multisample: wgpu::MultisampleState::default(),
                     fragment: Some(wgpu::FragmentState {
                         module: &module,
                         entry_point: Some("fs"),
                         compilation_options: Default::default(),
-                        targets: &super::pass::relief_target_states(),
+                        targets: &super::targets::relief_target_states(),
                     }),
                     multiview_mask: None,
                     cache: None,

@@ -1,8 +1,8 @@
 //! Draws the ground: distance along the view ray and normal.
 
 use super::bindings::{FLOAT, RECORDS, group_of, layout_of, texture};
-use super::pass::ReliefTargets;
 use super::shaders::GROUND;
+use super::targets::ReliefTargets;
 use crate::gpu::{Gpu, color_target, shader_module};
 use crate::scene::{Frustum, Resident, nearest_first};
 use crate::space::View;
@@ -49,7 +49,7 @@ impl GroundPass {
                     cull_mode: Some(wgpu::Face::Back),
                     ..Default::default()
                 },
-                depth_stencil: Some(super::pass::reversed_depth()),
+                depth_stencil: Some(super::targets::reversed_depth()),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &module,
@@ -80,7 +80,7 @@ impl GroundPass {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("ground"),
             color_attachments: &[
-                targets.ground_distance.cleared(super::pass::FAR),
+                targets.ground_distance.cleared(super::targets::FAR),
                 targets.ground_normal.cleared(wgpu::Color::TRANSPARENT),
             ],
             depth_stencil_attachment: targets.depth.cleared_depth(),

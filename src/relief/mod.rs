@@ -16,11 +16,13 @@ mod pass;
 mod polygons;
 mod shade;
 mod shaders;
+mod targets;
 
 pub use bindings::MapBindings;
 pub use cpu_map::CpuMap;
 pub use frame::{FrameUniforms, Light};
 pub use march::{Hit, MapTile, Ray, visit_cell, walk_city, walk_tile};
 pub use mesh::{BuildingMesh, MeshVertex, building_mesh};
-pub use pass::{ReliefMode, ReliefPass, ReliefTargets};
+pub use pass::{ReliefMode, ReliefPass};
 pub use shaders::ALL as SHADERS;
+pub use targets::ReliefTargets;

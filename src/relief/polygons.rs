@@ -6,8 +6,8 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::bindings::{FLOAT, UNIFORM, group_of, layout_of, texture};
 use super::mesh::{BuildingMesh, MeshVertex};
-use super::pass::ReliefTargets;
 use super::shaders::POLYGONS;
+use super::targets::ReliefTargets;
 use crate::gpu::{Gpu, GpuError, shader_module, uniform_buffer};
 use crate::space::View;
 
@@ -66,13 +66,13 @@ impl PolygonsPass {
                     cull_mode: Some(wgpu::Face::Back),
                     ..Default::default()
                 },
-                depth_stencil: Some(super::pass::reversed_depth()),
+                depth_stencil: Some(super::targets::reversed_depth()),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &module,
                     entry_point: Some("fs"),
                     compilation_options: Default::default(),
-                    targets: &super::pass::relief_target_states(),
+                    targets: &super::targets::relief_target_states(),
                 }),
                 multiview_mask: None,
                 cache: None,

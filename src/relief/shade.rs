@@ -2,8 +2,8 @@
 
 use super::MapBindings;
 use super::bindings::{FLOAT, group_of, layout_of, texture};
-use super::pass::ReliefTargets;
 use super::shaders::SHADE;
+use super::targets::ReliefTargets;
 use crate::gpu::{Gpu, color_target, fullscreen_pipeline, shader_module};
 use crate::scene::Resident;
 
@@ -87,7 +87,7 @@ impl ShadePass {
             label: Some("shade"),
             color_attachments: &[
                 targets.radiance.cleared(wgpu::Color::BLACK),
-                targets.distance.cleared(super::pass::FAR),
+                targets.distance.cleared(super::targets::FAR),
                 targets.id.cleared(wgpu::Color::TRANSPARENT),
             ],
             timestamp_writes: timestamps,

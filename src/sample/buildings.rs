@@ -3,10 +3,10 @@
 use glam::DVec2;
 
 use super::blocks::{Block, BlockKind};
+use super::features::{SampleBuilding, Tree};
 use super::landscape::{density, ground, river_half_width, river_point, water_level};
 use super::noise::Chance;
 use super::shapes::{Ring, area, centre, edges, longest_direction, rectangle, round, set_back};
-use super::town::{SampleBuilding, Tree};
 
 /// Height of a storey, metres.
 const STOREY_M: f64 = 3.1;

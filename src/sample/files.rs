@@ -10,9 +10,10 @@ use gdal::vector::{
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::features::SampleBuilding;
 use super::landscape::{HEIGHT_M, WIDTH_M, ground};
 use super::photo::paint;
-use super::town::{SampleBuilding, Town};
+use super::town::Town;
 use crate::source::SourceError;
 use crate::space::Crs;
 
@@ -130,12 +131,7 @@ fn write_photo(path: &Path, town: &Town, tile: [usize; 2]) -> Result<(), SourceE
     let north = (tile[1] + 1) as f64 * height_m;
     let rgb = paint(town, west, north, size, PHOTO_PIXEL_M);
     let corner = [ORIGIN.x + west, ORIGIN.y + north];
-    let options = [
-        "COMPRESS=JPEG",
-        "JPEG_QUALITY=92",
-        "PHOTOMETRIC=YCBCR",
-        "TILED=YES",
-    ];
+    let options = ["COMPRESS=JPEG", "JPEG_QUALITY=90", "PHOTOMETRIC=RGB", "TILED=YES"];
     let dataset = create_tiff::<u8>(path, corner, PHOTO_PIXEL_M, size, 3, &options)?;
     for channel in 0..3 {
         let values: Vec<u8> = rgb.iter().skip(channel).step_by(3).copied().collect();

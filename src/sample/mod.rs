@@ -7,6 +7,7 @@
 
 mod blocks;
 mod buildings;
+mod features;
 mod files;
 mod landscape;
 mod noise;
@@ -14,5 +15,6 @@ mod photo;
 mod shapes;
 mod town;
 
+pub use features::{SampleBuilding, Tree};
 pub use files::{SampleFiles, write_sample};
-pub use town::{SampleBuilding, Town};
+pub use town::Town;

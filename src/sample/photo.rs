@@ -4,10 +4,11 @@
 use glam::{DVec2, DVec3};
 
 use super::blocks::BlockKind;
+use super::features::SampleBuilding;
 use super::landscape::{river_distance, river_half_width, river_point};
 use super::noise::{fractal_noise, lattice, value_noise};
 use super::shapes::{Ring, centre, longest_direction, set_back};
-use super::town::{SampleBuilding, Town, woods};
+use super::town::{Town, woods};
 
 /// A rectangle of photo, local metres; rows from the north.
 pub struct Canvas {

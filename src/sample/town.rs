@@ -4,35 +4,9 @@ use glam::DVec2;
 
 use super::blocks::{Block, blocks};
 use super::buildings::build;
+use super::features::{SampleBuilding, Tree};
 use super::landscape::{HEIGHT_M, WIDTH_M, density, river_distance, river_half_width, slope};
 use super::noise::{Chance, value_noise};
-use super::shapes::Ring;
-
-/// A building, local metres.
-#[derive(Clone, Debug)]
-pub struct SampleBuilding {
-    /// Outer ring, counter-clockwise.
-    pub ring: Ring,
-    /// Holes.
-    pub holes: Vec<Ring>,
-    /// Metres above its lowest corner.
-    pub height_m: f64,
-    /// Storeys.
-    pub storeys: u32,
-    /// What it is.
-    pub kind: &'static str,
-    /// Direction of the ridge; none for a flat roof.
-    pub ridge: Option<DVec2>,
-}
-
-/// A tree seen from above.
-#[derive(Clone, Copy, Debug)]
-pub struct Tree {
-    /// Trunk.
-    pub at: DVec2,
-    /// Radius of the crown, metres.
-    pub radius: f64,
-}
 
 /// Everything on the ground.
 pub struct Town {

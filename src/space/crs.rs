@@ -105,6 +105,15 @@ impl Crs {
         &self.label
     }
 
+    /// A label's code, or a word for a long WKT.
+    pub fn short_label(label: &str) -> &str {
+        if label.starts_with("EPSG:") {
+            label
+        } else {
+            "without a code (WKT in city.toml)"
+        }
+    }
+
     /// A short name for messages.
     pub fn name(&self) -> String {
         if self.label.len() < 32 {

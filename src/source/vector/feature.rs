@@ -3,7 +3,7 @@
 use gdal::vector::{Feature, Geometry, OGRwkbGeometryType, geometry_type_flatten};
 use geo::{Coord, MultiPolygon};
 
-use super::clean::Outline;
+use super::outline::Outline;
 
 /// Adds every area of a geometry to the outline: polygons as they are; lines, when `lines_as_rings` asks,
 /// as rings (CAD files draw buildings as closed or almost closed polylines).

@@ -10,8 +10,9 @@ use geo::MultiPolygon;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::clean::{CleanReport, Outline, clean_outline};
+use super::clean::{CleanReport, clean_outline};
 use super::feature::{FieldPlace, collect_polygons, column_text};
+use super::outline::Outline;
 use super::{FootprintReport, MapWriter, cityjson};
 use crate::source::{CrsChoice, Footprint, HeightRule, RoofSpec, SourceError};
 use crate::space::{Crs, PointTransform};

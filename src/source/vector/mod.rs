@@ -5,9 +5,11 @@ mod clean;
 mod digital_map;
 mod feature;
 mod footprints;
+mod outline;
 mod report;
 
-pub use clean::{CleanReport, Outline, clean_outline};
+pub use clean::{CleanReport, clean_outline};
 pub use digital_map::{DigitalMap, MapWriter};
 pub use footprints::FootprintSource;
+pub use outline::Outline;
 pub use report::FootprintReport;

@@ -1,0 +1,91 @@
+//! The images that the relief pass draws, and how its pipelines draw into them.
+
+use crate::gpu::{Gpu, Target, color_target};
+
+/// No surface, as a clear value (`FAR` in `shaders/lib/frame.wgsl`).
+pub const FAR: wgpu::Color = wgpu::Color {
+    r: 3.0e38,
+    g: 0.0,
+    b: 0.0,
+    a: 0.0,
+};
+
+/// Depth test of reversed depth: larger is nearer.
+pub fn reversed_depth() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: wgpu::TextureFormat::Depth32Float,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// Formats of the relief targets: distance, id, surface.
+pub fn relief_target_states() -> [Option<wgpu::ColorTargetState>; 3] {
+    [
+        color_target(wgpu::TextureFormat::R32Float),
+        color_target(wgpu::TextureFormat::R32Uint),
+        color_target(wgpu::TextureFormat::Rg32Uint),
+    ]
+}
+
+/// Images of one size that the pass draws.
+pub struct ReliefTargets {
+    /// Depth buffer, shared by the ground's and the buildings' pass.
+    pub depth: Target,
+    /// Ground: metres along the view ray.
+    pub ground_distance: Target,
+    /// Ground: packed normal.
+    pub ground_normal: Target,
+    /// Buildings: metres along the view ray.
+    pub relief_distance: Target,
+    /// Buildings: id.
+    pub relief_id: Target,
+    /// Buildings: facade coordinate and packed normal.
+    pub relief_surface: Target,
+    /// Linear radiance.
+    pub radiance: Target,
+    /// Metres along the view ray of what is seen, 3e38 for sky.
+    pub distance: Target,
+    /// Id of what is seen, 0 for ground and sky.
+    pub id: Target,
+}
+
+impl ReliefTargets {
+    /// Targets of `size` pixels.
+    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+        use wgpu::TextureFormat as Format;
+        let target = |label: &str, format| Target::new(gpu, label, size, format);
+        Self {
+            depth: target("depth", Format::Depth32Float),
+            ground_distance: target("ground distance", Format::R32Float),
+            ground_normal: target("ground normal", Format::R32Uint),
+            relief_distance: target("relief distance", Format::R32Float),
+            relief_id: target("relief id", Format::R32Uint),
+            relief_surface: target("relief surface", Format::Rg32Uint),
+            radiance: target("radiance", Format::Rgba16Float),
+            distance: target("distance", Format::R32Float),
+            id: target("id", Format::R32Uint),
+        }
+    }
+
+    /// Begins the pass that draws buildings, with its targets cleared.
+    pub fn begin_relief_pass<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'a> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("relief"),
+            color_attachments: &[
+                self.relief_distance.cleared(FAR),
+                self.relief_id.cleared(wgpu::Color::TRANSPARENT),
+                self.relief_surface.cleared(wgpu::Color::TRANSPARENT),
+            ],
+            depth_stencil_attachment: self.depth.cleared_depth(),
+            timestamp_writes: timestamps,
+            ..Default::default()
+        })
+    }
+}
