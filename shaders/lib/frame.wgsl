@@ -7,7 +7,7 @@ struct Frame {
     forward: vec4<f32>,
     across: vec4<f32>,
     upward: vec4<f32>,
-    // Unit vector towards the sun; w: cosine of its altitude's complement is not needed, w = 1 by day.
+    // Unit vector towards the sun; w is not used.
     sun: vec4<f32>,
     // The eye within its tile, metres; elevation of the eye; side of a tile.
     eye_in_tile: vec2<f32>,
@@ -50,7 +50,7 @@ fn tile_corner(tile: vec2<i32>) -> vec2<f32> {
     return vec2<f32>(tile - frame.eye_tile) * frame.tile_m - frame.eye_in_tile;
 }
 
-// A unit vector in 32 bits: octahedral map (Cigolla et al. 2014, JCGT 3(2)), 16 bits a coordinate.
+// A unit vector in 32 bits: octahedral map (Cigolle et al. 2014, JCGT 3(2)), 16 bits a coordinate.
 fn pack_normal(normal: vec3<f32>) -> u32 {
     let p = normal.xy / (abs(normal.x) + abs(normal.y) + abs(normal.z));
     let folded = (1.0 - abs(p.yx)) * select(vec2<f32>(-1.0), vec2<f32>(1.0), p >= vec2<f32>(0.0));

@@ -1,4 +1,4 @@
-// The one traversal: view rays, shadow rays and picking. Twin: src/relief/march.rs, line for line.
+// The one traversal: view rays, shadow rays and picking. Twin: src/relief/march.rs.
 //
 // A ray walks the quadtree of highest roofs (`pyramid`): a block that it stays above is skipped in one read
 // (maximum mipmaps: Tevs, Ihrke & Seidel 2008); at a texel the exact outline and roofs are met.

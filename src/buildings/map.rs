@@ -216,7 +216,16 @@ impl BuildingMap {
             CellKind::List(offset) => {
                 let count = self.pieces.get(offset as usize).copied().unwrap_or(u32::MAX);
                 let words = self.words(word);
-                words.len() == count as usize && words.iter().all(|&word| sound_word(word))
+                let ends = |pair: &[u32]| match (CellKind::of(pair[0]), CellKind::of(pair[1])) {
+                    (CellKind::Run(run), next) if run.more => {
+                        matches!(next, CellKind::Run(_))
+                            && self.building_of(pair[0]) == self.building_of(pair[1])
+                    }
+                    _ => true,
+                };
+                words.len() == count as usize
+                    && words.iter().all(|&word| sound_word(word))
+                    && words.windows(2).all(ends)
             }
             _ => sound_word(word),
         };

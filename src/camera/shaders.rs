@@ -11,13 +11,13 @@ macro_rules! text {
 /// Sum of samples.
 pub const ACCUMULATE: ShaderSource = ShaderSource {
     name: "camera/accumulate.wgsl",
-    texts: &[text!("lib/fullscreen.wgsl"), text!("camera/accumulate.wgsl")],
+    texts: &[text!("fullscreen.wgsl"), text!("camera/accumulate.wgsl")],
 };
 
 /// Exposure and tone mapping.
 pub const TONEMAP: ShaderSource = ShaderSource {
     name: "camera/tonemap.wgsl",
-    texts: &[text!("lib/fullscreen.wgsl"), text!("camera/tonemap.wgsl")],
+    texts: &[text!("fullscreen.wgsl"), text!("camera/tonemap.wgsl")],
 };
 
 /// Every shader of the camera.

@@ -72,6 +72,9 @@ pub fn read_terrain(path: &Path, side: usize, step_m: f64) -> Result<TerrainTile
     let mut reader = PageReader::open(path)?;
     let (heights, _) = reader.floats([Some(side), Some(side)])?;
     let (indices, _) = reader.words([Some(3), None])?;
+    if heights.len() != side * side {
+        return Err(damaged(path, "a page has more than one band".to_owned()));
+    }
     if indices.iter().any(|&index| index as usize >= side * side) {
         return Err(damaged(path, "a triangle's corner is no sample".to_owned()));
     }

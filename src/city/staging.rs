@@ -125,16 +125,19 @@ fn sync(folder: &Path) -> Result<(), CityError> {
     Ok(())
 }
 
-#[cfg(target_os = "linux")]
+/// Swaps the new city and the old one, in one step where the system can.
 fn exchange(new: &Path, old: &Path) -> Result<(), CityError> {
-    use rustix::fs::{CWD, RenameFlags, renameat_with};
-    renameat_with(CWD, new, CWD, old, RenameFlags::EXCHANGE)
-        .map_err(|error| CityError::file(old)(error.into()))
-}
-
-#[cfg(not(target_os = "linux"))]
-fn exchange(new: &Path, old: &Path) -> Result<(), CityError> {
-    let aside = old.with_extension("previous");
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::fs::{CWD, RenameFlags, renameat_with};
+        if renameat_with(CWD, new, CWD, old, RenameFlags::EXCHANGE).is_ok() {
+            return Ok(());
+        }
+    }
+    // Network file systems cannot: three renames, each of which leaves both cities whole under some name.
+    let mut name = old.file_name().unwrap_or_default().to_owned();
+    name.push(".previous");
+    let aside = old.with_file_name(name);
     fs::rename(old, &aside).map_err(CityError::file(old))?;
     fs::rename(new, old).map_err(CityError::file(old))?;
     fs::rename(&aside, new).map_err(CityError::file(new))

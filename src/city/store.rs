@@ -65,6 +65,7 @@ impl City {
                 .iter()
                 .all(|&count| count <= MOST_TILE_SAMPLES)
             && manifest.terrain_side >= 2
+            && manifest.tile_texels >= 2
             && grid.columns > 0
             && grid.rows > 0
             && [grid.west, grid.south].iter().all(|edge| edge.abs() < 1e9)

@@ -40,13 +40,13 @@ pub struct ImportArgs {
     /// The city's CRS, projected in metres [default: the terrain's, or the UTM zone of the place].
     #[arg(long)]
     crs: Option<String>,
-    /// CRS of terrain files that name none [default: --crs].
+    /// CRS of terrain files, instead of what they say [default: --crs].
     #[arg(long)]
     terrain_crs: Option<String>,
-    /// CRS of a footprint file that names none [default: --crs].
+    /// CRS of a footprint file, instead of what they say [default: --crs].
     #[arg(long)]
     buildings_crs: Option<String>,
-    /// CRS of photos that name none [default: the city's].
+    /// CRS of photos, instead of what they say [default: the city's].
     #[arg(long)]
     photo_crs: Option<String>,
     /// Metres per vertical unit of the terrain, 0.3048 for feet [default: what the files say].

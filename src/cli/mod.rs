@@ -4,8 +4,8 @@
 macro_rules! say {
     ($($text:tt)*) => {{
         use std::io::Write;
-        if writeln!(std::io::stdout(), $($text)*).is_err() {
-            std::process::exit(0);
+        if let Err(error) = writeln!(std::io::stdout(), $($text)*) {
+            std::process::exit(i32::from(error.kind() != std::io::ErrorKind::BrokenPipe));
         }
     }};
 }

@@ -30,8 +30,15 @@ pub fn write_png(path: &Path, size: [u32; 2], rgba: &[u8]) -> Result<(), OutputE
         .chunks_exact(4)
         .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
         .collect();
-    image::save_buffer(path, &rgb, size[0], size[1], image::ExtendedColorType::Rgb8)
-        .map_err(|error| output_error(path)(error.to_string()))
+    image::save_buffer_with_format(
+        path,
+        &rgb,
+        size[0],
+        size[1],
+        image::ExtendedColorType::Rgb8,
+        image::ImageFormat::Png,
+    )
+    .map_err(|error| output_error(path)(error.to_string()))
 }
 
 /// Writes metres along the view ray, NaN = sky.

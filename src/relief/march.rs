@@ -1,5 +1,5 @@
 //! The one traversal on the CPU, function for function `shaders/lib/march.wgsl` (whose two nested loops, made for
-//! lanes in step, are one here): shadow rays, picking, and the test that
+//! lanes in step, are one here): for counting reads, picking, and the test that
 //! compares the two. f32 like the shader.
 
 use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};

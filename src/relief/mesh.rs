@@ -97,7 +97,7 @@ impl BuildingMesh {
     }
 }
 
-/// Octahedral map of a unit vector to two 16-bit numbers (Cigolla et al. 2014), as the shaders unpack it.
+/// Octahedral map of a unit vector to two 16-bit numbers (Cigolle et al. 2014), as the shaders unpack it.
 fn pack_normal([x, y, z]: [f64; 3]) -> u32 {
     let sum = x.abs() + y.abs() + z.abs();
     let (mut u, mut v) = (x / sum, y / sum);

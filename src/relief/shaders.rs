@@ -39,7 +39,7 @@ pub const SHADE: ShaderSource = ShaderSource {
         text!("lib/building_map.wgsl"),
         text!("lib/march.wgsl"),
         text!("lib/sky.wgsl"),
-        text!("lib/fullscreen.wgsl"),
+        text!("fullscreen.wgsl"),
         text!("relief/shade.wgsl"),
     ],
 };

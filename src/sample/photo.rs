@@ -62,7 +62,7 @@ pub fn paint(town: &Town, west: f64, north: f64, size: [usize; 2], pixel_m: f64)
         canvas.road(&road, 3.4, rgb(116, 114, 112));
     }
     for block in &town.blocks {
-        if let Some(street) = set_back(&block.ring, -7.8) {
+        if let Some(street) = set_back(&block.ring, -8.9) {
             canvas.fill(&[street], |p| dry(p).then(|| asphalt(p)));
         }
     }

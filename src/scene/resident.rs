@@ -8,7 +8,7 @@ use super::photo_mips::photo_mips;
 use crate::buildings::{BuildingMap, OutlineVertex, Pyramid, RoofRecord};
 use crate::city::{City, CityError};
 use crate::gpu::{Gpu, GpuError, TextureArray, storage_buffer};
-use crate::space::{Place, TileGrid, TileId};
+use crate::space::{TileGrid, TileId};
 use crate::terrain::grid_triangles;
 
 /// A city could not be made resident.
@@ -88,8 +88,6 @@ pub struct Resident {
     pub terrain_side: u32,
     /// Photo pixels along a tile's side as resident.
     pub photo_side: u32,
-    /// Where on the globe the city is.
-    pub place: Place,
     /// Highest roof of the city, metres.
     pub highest_roof: f32,
     /// Tiles with buildings, in slot order.
@@ -149,7 +147,6 @@ impl Resident {
             terrain_step_m: manifest.terrain_step_m,
             terrain_side: manifest.terrain_side as u32,
             photo_side,
-            place: manifest.place,
             highest_roof: maps
                 .slots
                 .iter()

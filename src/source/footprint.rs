@@ -65,36 +65,66 @@ impl HeightRule {
     /// The roof from the field's text; none when the text is missing or not a usable number
     /// (heights and storeys must be above zero).
     pub fn roof_from_text(&self, text: Option<&str>) -> Option<RoofSpec> {
-        let metres = length_from_text(text?)?;
-        match self {
+        let counts_storeys = matches!(self, Self::Storeys { .. });
+        let metres = number_from_text(
+            text?,
+            if counts_storeys {
+                &STOREY_UNITS
+            } else {
+                &LENGTH_UNITS
+            },
+        )?;
+        let roof = match self {
             Self::Default => None,
             Self::Height { .. } => (metres > 0.0).then_some(RoofSpec::HeightAboveBase(metres)),
             Self::Storeys { storey_height_m, .. } => {
                 (metres > 0.0).then_some(RoofSpec::HeightAboveBase(metres * storey_height_m))
             }
             Self::RoofElevation { .. } => Some(RoofSpec::Elevation(metres)),
-        }
+        };
+        roof.filter(
+            |(RoofSpec::HeightAboveBase(metres) | RoofSpec::Elevation(metres))| metres.abs() < HIGHEST_M,
+        )
     }
 }
 
 /// Highest believable height or elevation, metres; beyond it lie sentinels such as 9999.
 const HIGHEST_M: f64 = 9_000.0;
 
-/// Metres from what people write: `12`, `12.5 m`, `12,5`, `40 ft`, `40'`. None for anything else.
-fn length_from_text(text: &str) -> Option<f64> {
+/// What may stand behind a length, and its metres.
+const LENGTH_UNITS: [(&str, f64); 9] = [
+    ("", 1.0),
+    ("m", 1.0),
+    ("m.", 1.0),
+    ("metres", 1.0),
+    ("meters", 1.0),
+    ("ft", 0.3048),
+    ("feet", 0.3048),
+    ("foot", 0.3048),
+    ("'", 0.3048),
+];
+
+/// What may stand behind a number of storeys.
+const STOREY_UNITS: [(&str, f64); 5] = [
+    ("", 1.0),
+    ("storeys", 1.0),
+    ("stories", 1.0),
+    ("floors", 1.0),
+    ("levels", 1.0),
+];
+
+/// A number as people write it (`12`, `12.5 m`, `12,5`, `40 ft`, `3 storeys`) in the first of `units`; none for
+/// anything else.
+fn number_from_text(text: &str, units: &[(&str, f64)]) -> Option<f64> {
     let text = text.trim().replace(',', ".");
     let end = text
         .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E')))
         .unwrap_or(text.len());
     let number: f64 = text[..end].parse().ok()?;
-    let metres_per_unit = match text[end..].trim().to_lowercase().as_str() {
-        "" | "m" | "m." | "metre" | "metres" | "meter" | "meters" => 1.0,
-        "ft" | "feet" | "foot" | "'" => 0.3048,
-        "storey" | "storeys" | "story" | "stories" | "floor" | "floors" => 1.0,
-        _ => return None,
-    };
-    let metres = number * metres_per_unit;
-    (metres.is_finite() && metres.abs() < HIGHEST_M).then_some(metres)
+    let word = text[end..].trim().to_lowercase();
+    let (_, factor) = units.iter().find(|(unit, _)| *unit == word)?;
+    let value = number * factor;
+    value.is_finite().then_some(value)
 }
 
 #[cfg(test)]
@@ -113,11 +143,11 @@ mod tests {
             ("2;3", None),
             ("unknown", None),
             ("", None),
-            ("9999", None),
+            ("3 floors", None),
             ("nan", None),
             ("1e400", None),
         ] {
-            assert_eq!(length_from_text(text), metres, "{text:?}");
+            assert_eq!(number_from_text(text, &LENGTH_UNITS), metres, "{text:?}");
         }
     }
 
@@ -128,6 +158,16 @@ mod tests {
         };
         assert_eq!(height.roof_from_text(Some("0")), None);
         assert_eq!(height.roof_from_text(Some("-2")), None);
+        assert_eq!(height.roof_from_text(Some("9999")), None, "a sentinel");
+        let storeys = HeightRule::Storeys {
+            field: "n".to_owned(),
+            storey_height_m: 3.0,
+        };
+        assert_eq!(
+            storeys.roof_from_text(Some("3 floors")),
+            Some(RoofSpec::HeightAboveBase(9.0))
+        );
+        assert_eq!(storeys.roof_from_text(Some("40 ft")), None);
         let roof = HeightRule::RoofElevation {
             field: "z".to_owned(),
         };

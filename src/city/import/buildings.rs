@@ -95,9 +95,9 @@ pub fn make_building_maps(
         .map(|(id, buildings)| -> Result<(), CityError> {
             let path = tile_path(folder, Layer::Buildings, *id);
             let bounds = plan.grid.tile_bounds(*id);
-            let map = rasterise(&bounds, TILE_TEXELS, buildings).map_err(|error| CityError::Tile {
-                path: path.clone(),
-                why: error.to_string(),
+            let map = rasterise(&bounds, TILE_TEXELS, buildings).map_err(|error| CityError::Unfit {
+                what: format!("{}: {error}", path.display()),
+                advice: "then run the import again".to_owned(),
             })?;
             if map.vertices.is_empty() && map.cells.iter().all(|&word| word == 0) {
                 return Ok(()); // only its rectangle touches the tile
@@ -105,7 +105,7 @@ pub fn make_building_maps(
             written.fetch_add(1, Ordering::Relaxed);
             bytes.fetch_add((map.bytes() + map.cells.len() * 4 / 3) as u64, Ordering::Relaxed);
             let left = codec::read_buildings(&path, TILE_TEXELS, f64::from(map.texel_m));
-            if left.is_err() {
+            if left.ok().as_ref() != Some(&map) {
                 codec::write_buildings(&path, &bounds, &map, keys)?;
             }
             bar.inc(1);

@@ -1,14 +1,12 @@
 //! What an import is asked, and which askings are refused.
 
-use std::path::PathBuf;
-
-use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 use crate::city::{CityError, SourceRecord};
 use crate::source::HeightRule;
 
 /// What `rilievo import` was asked.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct ImportOptions {
     /// Terrain rasters.
     pub terrain: Vec<PathBuf>,
@@ -77,7 +75,7 @@ pub fn check_numbers(options: &ImportOptions) -> Result<(), CityError> {
         ("--texel", options.texel_m, 0.1..=64.0),
         ("--terrain-error", options.terrain_error_m, 0.001..=1000.0),
         ("--default-height", options.default_height_m, 0.01..=2000.0),
-        ("--fill", options.fill_m, 0.0..=10_000.0),
+        ("--fill", options.fill_m, 0.0..=500.0),
         ("--margin", options.margin_m, 0.0..=1_000_000.0),
         (
             "--terrain-unit",
@@ -108,7 +106,7 @@ pub struct Recipe {
 pub fn recipe(options: &ImportOptions) -> Result<Recipe, CityError> {
     let mut records = Vec::new();
     let mut text = format!("rilievo {}\n", env!("CARGO_PKG_VERSION"));
-    text += &serde_json::to_string(options).unwrap_or_default();
+    text += &format!("{options:?}");
     let roles = [
         ("terrain", options.terrain.as_slice()),
         ("buildings", std::slice::from_ref(&options.buildings)),
@@ -118,11 +116,15 @@ pub fn recipe(options: &ImportOptions) -> Result<Recipe, CityError> {
         .iter()
         .flat_map(|(role, paths)| paths.iter().map(move |path| (role, path)))
     {
-        let (bytes, modified) = match std::fs::metadata(path) {
-            Ok(data) => (data.len(), data.modified().ok()),
-            Err(_) => (0, None), // GDAL's own names, such as /vsizip/..
-        };
-        text += &format!("\n{role} {} {bytes} {modified:?}", path.display());
+        let bytes = std::fs::metadata(path).map_or(0, |data| data.len());
+        for file in beside(path) {
+            let data = std::fs::metadata(&file).ok();
+            let (size, time) = (
+                data.as_ref().map(|d| d.len()),
+                data.and_then(|d| d.modified().ok()),
+            );
+            text += &format!("\n{role} {} {size:?} {time:?}", file.display());
+        }
         records.push(SourceRecord {
             role: (*role).to_owned(),
             path: path.display().to_string(),
@@ -130,4 +132,19 @@ pub fn recipe(options: &ImportOptions) -> Result<Recipe, CityError> {
         });
     }
     Ok(Recipe { text, records })
+}
+
+/// The file and its companions of the same name (.dbf, .prj, world files), in order.
+fn beside(path: &Path) -> Vec<PathBuf> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")))
+        .into_iter()
+        .flatten()
+        .flatten();
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.path())
+        .filter(|file| file.is_file() && file.file_stem() == path.file_stem())
+        .collect();
+    files.sort();
+    files
 }

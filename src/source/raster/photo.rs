@@ -92,7 +92,7 @@ impl PhotoFile {
         }
         let to_city = PointTransform::new(&crs, city).map_err(crs_error)?;
         let mut bounds = Bounds::EMPTY;
-        for step in 0..=64 {
+        for step in 0..4 * 17 {
             let (side, along) = (step % 4, f64::from(step / 4) / 16.0);
             let (u, v) = [(along, 0.0), (along, 1.0), (0.0, along), (1.0, along)][side as usize];
             let (column, row) = (u * width as f64, v * height as f64);
@@ -174,7 +174,7 @@ impl PhotoFile {
     }
 }
 
-/// The 1st to 99th percentile of deeper-than-8-bit photos, from GDAL's histogram of an overview.
+/// The 1st to 99th percentile of deeper-than-8-bit photos, of a sample of their pixels.
 fn stretch(dataset: &Dataset) -> Result<Option<[f64; 2]>, gdal::errors::GdalError> {
     let band = dataset.rasterband(1)?;
     if band.band_type() == GdalDataType::UInt8 {

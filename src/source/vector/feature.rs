@@ -5,7 +5,7 @@ use geo::{Coord, MultiPolygon};
 
 use super::outline::Outline;
 
-/// Adds every area of a geometry to the outline: polygons as they are; lines, when `lines_as_rings` asks,
+/// Adds every area of a geometry to the outline: polygons as they are; lines, when `accept` is `wkbLineString`,
 /// as rings (CAD files draw buildings as closed or almost closed polylines).
 pub fn collect_polygons(geometry: &Geometry, outline: &mut Outline, accept: OGRwkbGeometryType::Type) {
     let linear = linearised(geometry);

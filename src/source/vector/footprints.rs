@@ -74,7 +74,7 @@ impl FootprintSource {
             is_cad,
             is_cityjson,
             ids_are_fids: false,
-            reads_past_damage: driver == "FlatGeobuf" || driver == "ESRI Shapefile",
+            reads_past_damage: ["FlatGeobuf", "ESRI Shapefile", "GPKG"].contains(&driver.as_str()),
         };
         source.pick_layer(layer)?;
         let own = match cityjson_crs {
@@ -94,11 +94,6 @@ impl FootprintSource {
         )?;
         source.ids_are_fids = true;
         Ok(source)
-    }
-
-    /// The layer's CRS.
-    pub fn crs(&self) -> &Crs {
-        &self.crs
     }
 
     /// The rule to use when none was asked for: CityJSON knows the height of its own geometry.
@@ -313,7 +308,7 @@ impl FootprintSource {
             return Ok(Some(FieldPlace::Column(index)));
         }
         if let Ok(index) = defn.field_index("other_tags")
-            && self.is_osm
+            && (self.is_osm || self.ids_are_fids)
         {
             return Ok(Some(FieldPlace::OtherTags(index)));
         }
