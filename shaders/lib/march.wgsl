@@ -60,6 +60,8 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
         let roof = roofs[building].roof_m - frame.eye_elevation;
         let t_roof = (roof - ray.start.z) / ray.direction.z;
         let meets_roof = ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best.t;
+        // A ray that stays above the roof can meet none of its walls.
+        let dips = ray.start.z + min(from_t * ray.direction.z, to_t * ray.direction.z) <= roof;
         var inside = true;
         if is_run {
             inside = is_inside(w);
@@ -68,7 +70,8 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
             var run = first;
             loop {
                 var a = vertices[run].position;
-                for (var e = 0u; e < edges_of(w); e += 1u) {
+                let edges = select(0u, edges_of(w), dips);
+                for (var e = 0u; e < edges; e += 1u) {
                     let b = vertices[run + e + 1u].position;
                     let along = b - a;
                     // The building is to the left of its outline: the wall faces right.

@@ -1,6 +1,5 @@
 //! The one traversal on the CPU, function for function `shaders/lib/march.wgsl` (whose two nested loops, made for
-//! lanes in step, are one here): for counting reads, picking, and the test that
-//! compares the two. f32 like the shader.
+//! lanes in step, are one here): for counting reads, picking, and the test that compares the two. f32 like the shader.
 
 use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
 
@@ -98,6 +97,8 @@ pub fn visit_cell(
         let t_roof = (roof - ray.start.z) / ray.direction.z;
         let meets_roof =
             ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best_t(&best);
+        // A ray that stays above the roof can meet none of its walls.
+        let dips = ray.start.z + (from_t * ray.direction.z).min(to_t * ray.direction.z) <= roof;
         let mut inside = true;
         if let CellKind::Run(mut run) = CellKind::of(word) {
             inside = run.inside;
@@ -109,7 +110,8 @@ pub fn visit_cell(
                     Vec2::new(vertex.x_m, vertex.y_m)
                 };
                 let mut a = vertex(run.first);
-                for edge in run.first..run.first + run.edges {
+                let edges = if dips { run.edges } else { 0 };
+                for edge in run.first..run.first + edges {
                     let b = vertex(edge + 1);
                     let along = b - a;
                     // The building is to the left of its outline: the wall faces right.
