@@ -30,10 +30,17 @@ struct RoofRecord {
 @group(1) @binding(0) var tile_table: texture_2d<i32>;
 @group(1) @binding(1) var<storage, read> slots: array<TileSlot>;
 @group(1) @binding(2) var cells: texture_2d_array<u32>;
+// Level by level (0 = blocks of 2 x 2 texels): the highest roofs of a block's four quarters, rows from the south, metres
+// above the tile's `low`.
 @group(1) @binding(3) var pyramid: texture_2d_array<f32>;
 @group(1) @binding(4) var<storage, read> vertices: array<OutlineVertex>;
 @group(1) @binding(5) var<storage, read> pieces: array<u32>;
 @group(1) @binding(6) var<storage, read> roofs: array<RoofRecord>;
+
+// Highest roofs of the quarters of a block of 2^level texels, metres above the tile's `low`.
+fn highest_quarters(block: vec2<i32>, level: u32, slot_index: i32) -> vec4<f32> {
+    return textureLoad(pyramid, block, slot_index, i32(level) - 1);
+}
 
 const KIND_FULL: u32 = 1u;
 const KIND_RUN: u32 = 2u;

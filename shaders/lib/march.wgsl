@@ -1,6 +1,6 @@
 // The one traversal: view rays, shadow rays and picking. Twin: src/relief/march.rs.
 //
-// A ray walks the quadtree of highest roofs (`pyramid`): a block that it stays above is skipped in one read
+// A ray walks the quadtree of highest roofs (`pyramid`): what it stays above of a block is skipped in one read
 // (maximum mipmaps: Tevs, Ihrke & Seidel 2008); at a texel the exact outline and roofs are met.
 
 struct Ray {
@@ -46,7 +46,7 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
     let reference = (vec2<f32>(cell) + REFERENCE) * frame.texel_m;
     let is_list = kind_of(word) == KIND_LIST;
     let list = slot.piece_base + index_of(word);
-    var count = 1u;
+    var count = select(1u, 0u, word == 0u);
     if is_list { count = pieces[list]; }
     var i = 0u;
     while i < count {
@@ -103,91 +103,83 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
     return best;
 }
 
-// First hit with what stands on a block of 2 x 2 texels, between t0 and t1.
-fn visit_block(block: vec2<i32>, slot_index: i32, slot: TileSlot, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
-    let forward = ray.direction.xy >= vec2<f32>(0.0);
-    let size = frame.texel_m;
-    // The texel that the ray is in, by the block's middle lines.
-    let t_middle = ((vec2<f32>(block) * 2.0 + 1.0) * size - start) * ray.inverse;
-    var beyond = vec2<f32>(t0) >= t_middle;
-    var t = t0;
-    // A straight line meets at most three of the four.
-    var left = 3;
-    loop {
-        // On to the next texel with something in it (cheap), then the visit (costly): lanes wait for each other.
-        var word = 0u;
-        var cell = vec2<i32>(0);
-        var t_in = t;
-        while left > 0 && word == 0u {
-            left = select(left - 1, 0, t >= t1);
-            t_in = t;
-            let ahead = select(t_middle, vec2<f32>(t1), beyond);
-            t = min(min(ahead.x, ahead.y), t1);
-            cell = 2 * block + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
-            word = textureLoad(cells, cell, slot_index, 0).x;
-            beyond = beyond | (vec2<f32>(t) >= t_middle);
-        }
-        if word == 0u { break; }
-        let hit = visit_cell(word, cell, slot, ray, start, t_in, t);
-        if hit.t < FAR { return hit; }
-    }
-    return MISS;
+fn nearer(t: vec2<f32>, end: f32) -> f32 { return min(min(t.x, t.y), end); }
+
+// The value of one quarter: `upper` tells whether it is the upper one in x and in y.
+fn quarter_of(quarters: vec4<f32>, upper: vec2<bool>) -> f32 {
+    let row = select(quarters.xy, quarters.zw, upper.y);
+    return select(row.x, row.y, upper.x);
 }
 
-// First hit within one tile between t0 and t1. Two loops in one another: lanes that have found a block to look into wait
-// for the others, so that the costly visit is made together (Aila & Laine 2009, "while-while").
+// First hit within one tile between t0 and t1. One read tells the highest roofs of a block's four quarters; the ray meets
+// at most three of them, in order, and goes down into the first that it does not stay above. Two loops in one another:
+// lanes that have found a texel to look into wait for the others, so that the costly visit is made together (Aila & Laine
+// 2009, "while-while").
 fn walk_tile(slot_index: i32, ray: Ray, t0: f32, t1: f32) -> Hit {
     let slot = slots[slot_index];
     let start = ray.start.xy - tile_corner(slot.tile);
     let forward = ray.direction.xy >= vec2<f32>(0.0);
     let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
+    let falls = ray.direction.z < 0.0;
+    let floor_z = slot.low - frame.eye_elevation - ray.start.z;
     let top = frame.top_level;
     // Begin with blocks about as large as the way to go: a short way need not come down from the tile's top.
     let reach = length(ray.direction.xy) * (t1 - t0) / frame.texel_m;
     var level = u32(clamp(ceil(log2(max(reach, 1.0))), 1.0, f32(top)));
     let place = (start + t0 * ray.direction.xy) / (frame.texel_m * f32(1u << level));
-    var cell = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << (top - level)) - 1));
+    var block = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << (top - level)) - 1));
     var t = t0;
-    var t_out = t0;
-    var visited = false;
     for (var visits = 0u; visits < MOST_STEPS; visits += 1u) {
         var found = false;
+        var quarter = vec2<i32>(0);
+        var t_in = t0;
+        var t_past = t0;
         for (var steps = 0u; steps < MOST_STEPS; steps += 1u) {
             let size = frame.texel_m * f32(1u << level);
-            let t_border = ((vec2<f32>(cell) + lead) * size - start) * ray.inverse;
-            t_out = min(min(t_border.x, t_border.y), t1);
-            let lowest = ray.start.z + min(t * ray.direction.z, t_out * ray.direction.z);
-            let highest = textureLoad(pyramid, cell, slot_index, i32(level) - 1).x - frame.eye_elevation;
-            if !visited && lowest <= highest + slack(t) {
+            let t_border = ((vec2<f32>(block) + lead) * size - start) * ray.inverse;
+            let t_middle = ((vec2<f32>(block) + 0.5) * size - start) * ray.inverse;
+            let t_out = min(min(t_border.x, t_border.y), t1);
+            let highest = highest_quarters(block, level, slot_index) + (floor_z + slack(t));
+            // The three quarters on the way, each by the middle lines that lie behind the ray when it is in it.
+            let beyond_a = vec2<f32>(t) >= t_middle;
+            let t_a = nearer(select(t_middle, vec2<f32>(t_out), beyond_a), t_out);
+            let beyond_b = beyond_a | (vec2<f32>(t_a) >= t_middle);
+            let t_b = nearer(select(t_middle, vec2<f32>(t_out), beyond_b), t_out);
+            let beyond_c = beyond_b | (vec2<f32>(t_b) >= t_middle);
+            let dips_a = t_a > t && select(t, t_a, falls) * ray.direction.z <= quarter_of(highest, beyond_a == forward);
+            let dips_b = t_b > t_a && select(t_a, t_b, falls) * ray.direction.z <= quarter_of(highest, beyond_b == forward);
+            let dips_c = t_out > t_b && select(t_b, t_out, falls) * ray.direction.z <= quarter_of(highest, beyond_c == forward);
+            if dips_a || dips_b || dips_c {
+                t_in = select(select(t_b, t_a, dips_b), t, dips_a);
+                t_past = select(select(t_out, t_b, dips_b), t_a, dips_a);
+                let beyond = select(select(beyond_c, beyond_b, dips_b), beyond_a, dips_a);
+                quarter = 2 * block + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
                 if level == 1u {
                     found = true;
                     break;
                 }
-                // Down into the child that the ray is in.
                 level -= 1u;
-                let t_middle = ((vec2<f32>(cell) + 0.5) * size - start) * ray.inverse;
-                let beyond = vec2<f32>(t) >= t_middle;
-                cell = 2 * cell + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
+                block = quarter;
+                t = t_in;
             } else {
                 // Over the nearer border, and up when that is the parent's border too.
-                visited = false;
                 t = max(t, t_out);
                 let along_x = t_border.x <= t_border.y;
-                cell += select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), along_x);
-                let upper = select(cell + 1, cell, forward);
+                block += select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), along_x);
+                let upper = select(block + 1, block, forward);
                 let moved = select(upper.y, upper.x, along_x);
                 if t >= t1 || moved <= 0 || moved >= (1 << (top - level)) { break; }
                 if level < top && (moved & 1) == 0 {
                     level += 1u;
-                    cell >>= vec2<u32>(1u);
+                    block >>= vec2<u32>(1u);
                 }
             }
         }
         if !found { break; }
-        let hit = visit_block(cell, slot_index, slot, ray, start, t, t_out);
+        let hit = visit_cell(textureLoad(cells, quarter, slot_index, 0).x, quarter, slot, ray, start, t_in, t_past);
         if hit.t < FAR { return hit; }
-        visited = true;
+        t = t_past;
     }
     return MISS;
 }

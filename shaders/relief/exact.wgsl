@@ -10,6 +10,8 @@
 // (`walk_city`), so that each pixel walks once and nothing is cut at a tile's border.
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
+// Metres without a building, per block of pixels (`beam.wgsl`).
+@group(2) @binding(1) var beam_distance: texture_2d<f32>;
 
 // Corner `index` (0..36) of the two triangles of each of the volume's six faces, in 0..1; counter-clockwise seen
 // from outside.
@@ -46,6 +48,9 @@ fn vs_last(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 1.0e-12, 1.0);
 }
 
+// Twin: BEAM_PIXELS in src/relief/targets.rs.
+const BEAM_PIXELS: i32 = 8;
+
 struct ReliefSurface {
     @location(0) distance: f32,
     @location(1) id: u32,
@@ -57,7 +62,8 @@ struct ReliefSurface {
 fn fs(@builtin(position) position: vec4<f32>) -> ReliefSurface {
     let ray = make_ray(vec3<f32>(0.0), ray_direction(position.xy));
     let t_ground = textureLoad(ground_distance, vec2<i32>(position.xy), 0).x;
-    let hit = walk_city(ray, 0.0, t_ground);
+    let t_beam = textureLoad(beam_distance, vec2<i32>(position.xy) / BEAM_PIXELS, 0).x;
+    let hit = walk_city(ray, t_beam, t_ground);
     // The face itself is never drawn: without a hit the surface stays at FAR, which shows nothing. It is not discarded,
     // so that its depth keeps the faces behind it from walking the same ray again.
     if hit.t >= FAR { return ReliefSurface(FAR, 0u, vec2<u32>(0u)); }

@@ -47,6 +47,22 @@ impl PassTimer {
         })
     }
 
+    /// The timestamp at the beginning of a timed pass that is made of several render passes, for the first of them.
+    pub fn begin_of_pass(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.of_pass(pass).map(|both| wgpu::RenderPassTimestampWrites {
+            end_of_pass_write_index: None,
+            ..both
+        })
+    }
+
+    /// The timestamp at its end, for the last of them.
+    pub fn end_of_pass(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.of_pass(pass).map(|both| wgpu::RenderPassTimestampWrites {
+            beginning_of_pass_write_index: None,
+            ..both
+        })
+    }
+
     /// Call after the last pass, before submitting.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some((set, resolve, read)) = &self.queries {

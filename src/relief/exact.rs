@@ -25,7 +25,11 @@ impl ExactPass {
     /// For a building map's bindings.
     pub fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout, map: &MapBindings) -> Self {
         let module = shader_module(gpu, &EXACT);
-        let input_layout = layout_of(gpu, "relief input", &[texture(FLOAT, false)]);
+        let input_layout = layout_of(
+            gpu,
+            "relief input",
+            &[texture(FLOAT, false), texture(FLOAT, false)],
+        );
         let layout = gpu
             .device
             .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -88,7 +92,10 @@ impl ExactPass {
             gpu,
             "relief input",
             &self.input_layout,
-            vec![wgpu::BindingResource::TextureView(&targets.ground_distance.view)],
+            vec![
+                wgpu::BindingResource::TextureView(&targets.ground_distance.view),
+                wgpu::BindingResource::TextureView(&targets.beam_distance.view),
+            ],
         );
         let mut pass = targets.begin_relief_pass(encoder, timestamps);
         pass.set_pipeline(&self.overflow);

@@ -172,45 +172,6 @@ fn step(forward: [bool; 2]) -> IVec2 {
     IVec2::new(if forward[0] { 1 } else { -1 }, if forward[1] { 1 } else { -1 })
 }
 
-/// First hit with what stands on a block of 2 x 2 texels.
-#[allow(clippy::too_many_arguments)]
-fn visit_block(
-    map: &BuildingMap,
-    block: IVec2,
-    ray: &Ray,
-    start: Vec2,
-    eye_elevation: f32,
-    [t0, t1]: [f32; 2],
-    reads: &mut u32,
-) -> Option<Hit> {
-    let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
-    // The texel that the ray is in, by the block's middle lines.
-    let t_middle = ((block.as_vec2() * 2.0 + 1.0) * map.texel_m - start) * ray.inverse;
-    let mut beyond = [t0 >= t_middle.x, t0 >= t_middle.y];
-    let mut t = t0;
-    // A straight line meets at most three of the four.
-    for _ in 0..3 {
-        let ahead = |axis: usize| if beyond[axis] { t1 } else { t_middle[axis] };
-        let t_out = ahead(0).min(ahead(1)).min(t1);
-        let child = |axis: usize| i32::from(beyond[axis] == forward[axis]);
-        let cell = 2 * block + IVec2::new(child(0), child(1));
-        let word = map.cells[cell.y as usize * map.side + cell.x as usize];
-        *reads += 1;
-        if word != 0 {
-            let hit = visit_cell(map, word, cell, ray, start, eye_elevation, [t, t_out]);
-            if hit.is_some() {
-                return hit;
-            }
-        }
-        t = t_out;
-        if t >= t1 {
-            break;
-        }
-        beyond = [beyond[0] || t >= t_middle.x, beyond[1] || t >= t_middle.y];
-    }
-    None
-}
-
 /// First hit within one tile between `t0` and `t1`; `corner` is the tile's south-west corner, eye-relative. Also
 /// counts the map's reads into `reads`.
 pub fn walk_tile(
@@ -231,44 +192,64 @@ pub fn walk_tile(
     let mut level = reach.max(1.0).log2().ceil().clamp(1.0, top as f32) as u32;
     let place = (start + t0 * ray.direction.xy()) / (map.texel_m * (1_u32 << level) as f32);
     let most = IVec2::splat((1 << (top - level)) - 1);
-    let mut cell = place.floor().as_ivec2().clamp(IVec2::ZERO, most);
+    let mut block = place.floor().as_ivec2().clamp(IVec2::ZERO, most);
     let mut t = t0;
-    let mut visited = false;
     for _ in 0..MOST_STEPS {
         let size = map.texel_m * (1_u32 << level) as f32;
-        let t_border = ((cell.as_vec2() + lead) * size - start) * ray.inverse;
-        let t_out = t_border.x.min(t_border.y).min(t1);
-        let lowest = ray.start.z + (t * ray.direction.z).min(t_out * ray.direction.z);
+        let t_border = ((block.as_vec2() + lead) * size - start) * ray.inverse;
+        let t_middle = ((block.as_vec2() + 0.5) * size - start) * ray.inverse;
+        let t_out = t_border.min_element().min(t1);
         *reads += 1;
-        let highest = tile.pyramid.highest(level, cell.x, cell.y, map.side) - eye_elevation;
-        if !visited && lowest <= highest + slack(t) {
-            if level == 1 {
-                let hit = visit_block(map, cell, ray, start, eye_elevation, [t, t_out], reads);
+        // The at most three quarters on the way, each by the middle lines that lie behind the ray when it is in it.
+        let mut t_in = t;
+        let mut dips = None;
+        for _ in 0..3 {
+            let beyond = [t_in >= t_middle.x, t_in >= t_middle.y];
+            let ahead = |axis: usize| if beyond[axis] { t_out } else { t_middle[axis] };
+            let t_past = ahead(0).min(ahead(1)).min(t_out);
+            let upper = |axis: usize| i32::from(beyond[axis] == forward[axis]);
+            let quarter = 2 * block + IVec2::new(upper(0), upper(1));
+            let lowest = ray.start.z + (t_in * ray.direction.z).min(t_past * ray.direction.z);
+            let highest = tile.pyramid.highest(level - 1, quarter.x, quarter.y, map.side) - eye_elevation;
+            if t_past > t_in && lowest <= highest + slack(t) {
+                dips = Some((quarter, t_in, t_past));
+                break;
+            }
+            t_in = t_in.max(t_past);
+        }
+        match dips {
+            Some((cell, t_in, t_past)) if level == 1 => {
+                let word = map.cells[cell.y as usize * map.side + cell.x as usize];
+                *reads += 1;
+                let hit = visit_cell(map, word, cell, ray, start, eye_elevation, [t_in, t_past]);
                 if hit.is_some() {
                     return hit;
                 }
-                visited = true;
-                continue;
+                t = t_past;
             }
-            // Down into the child that the ray is in.
-            level -= 1;
-            let t_middle = ((cell.as_vec2() + 0.5) * size - start) * ray.inverse;
-            let child = |axis: usize| i32::from((t >= t_middle[axis]) == forward[axis]);
-            cell = 2 * cell + IVec2::new(child(0), child(1));
-            continue;
-        }
-        // Over the nearer border, and up when that is the parent's border too.
-        visited = false;
-        t = t.max(t_out);
-        let axis = usize::from(t_border.x > t_border.y);
-        cell[axis] += step[axis];
-        let moved = if forward[axis] { cell[axis] } else { cell[axis] + 1 };
-        if t >= t1 || moved <= 0 || moved >= 1 << (top - level) {
-            break;
-        }
-        if level < top && moved & 1 == 0 {
-            level += 1;
-            cell >>= 1;
+            Some((quarter, t_in, _)) => {
+                level -= 1;
+                block = quarter;
+                t = t_in;
+            }
+            None => {
+                // Over the nearer border, and up when that is the parent's border too.
+                t = t.max(t_out);
+                let axis = usize::from(t_border.x > t_border.y);
+                block[axis] += step[axis];
+                let moved = if forward[axis] {
+                    block[axis]
+                } else {
+                    block[axis] + 1
+                };
+                if t >= t1 || moved <= 0 || moved >= 1 << (top - level) {
+                    break;
+                }
+                if level < top && moved & 1 == 0 {
+                    level += 1;
+                    block >>= 1;
+                }
+            }
         }
     }
     None

@@ -1,10 +1,11 @@
 //! The relief pass: resident tiles, pose and sun to linear HDR radiance, depth and ids.
 //!
 //! ```text
-//! ground ─▶ distance, normal ─┬──────────────────────────┐
-//!                             └▶ exact | polygons ─▶ shade ─▶ radiance, distance, id
+//! ground ─▶ distance, normal ─┬──────────────────────────────────┐
+//!                             └▶ beam ─▶ exact | polygons ─▶ shade ─▶ radiance, distance, id
 //! ```
 
+mod beam;
 mod bindings;
 mod cpu_map;
 mod exact;

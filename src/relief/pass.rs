@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::beam::BeamPass;
 use super::bindings::{UNIFORM, group_of, layout_of};
 use super::exact::ExactPass;
 use super::ground::GroundPass;
@@ -27,6 +28,7 @@ pub struct ReliefPass {
     frame_layout: wgpu::BindGroupLayout,
     map: MapBindings,
     ground: GroundPass,
+    beam: BeamPass,
     exact: ExactPass,
     shade: ShadePass,
     polygons: Option<PolygonsPass>,
@@ -39,6 +41,7 @@ impl ReliefPass {
         let map = MapBindings::new(gpu, resident);
         Self {
             ground: GroundPass::new(gpu, resident, &frame_layout),
+            beam: BeamPass::new(gpu, &frame_layout, &map),
             exact: ExactPass::new(gpu, &frame_layout, &map),
             shade: ShadePass::new(gpu, &frame_layout, &map),
             polygons: None,
@@ -84,16 +87,11 @@ impl ReliefPass {
             }
             (ReliefMode::Polygons, None) => drop(targets.begin_relief_pass(encoder, timed(1))),
             (ReliefMode::Exact, _) => {
+                let begin = timer.and_then(|timer| timer.begin_of_pass(1));
+                let end = timer.and_then(|timer| timer.end_of_pass(1));
+                self.beam.encode(encoder, &frame, &self.map, targets, begin);
                 self.exact.encode(
-                    gpu,
-                    encoder,
-                    resident,
-                    view,
-                    &frustum,
-                    &frame,
-                    &self.map,
-                    targets,
-                    timed(1),
+                    gpu, encoder, resident, view, &frustum, &frame, &self.map, targets, end,
                 );
             }
         }

@@ -14,6 +14,17 @@ pub const GROUND: ShaderSource = ShaderSource {
     texts: &[text!("lib/frame.wgsl"), text!("terrain/ground.wgsl")],
 };
 
+/// Empty air before the buildings.
+pub const BEAM: ShaderSource = ShaderSource {
+    name: "relief/beam.wgsl",
+    texts: &[
+        text!("lib/frame.wgsl"),
+        text!("lib/building_map.wgsl"),
+        text!("fullscreen.wgsl"),
+        text!("relief/beam.wgsl"),
+    ],
+};
+
 /// Buildings by the exact walk.
 pub const EXACT: ShaderSource = ShaderSource {
     name: "relief/exact.wgsl",
@@ -45,4 +56,4 @@ pub const SHADE: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the relief pass.
-pub const ALL: [ShaderSource; 4] = [GROUND, EXACT, POLYGONS, SHADE];
+pub const ALL: [ShaderSource; 5] = [GROUND, BEAM, EXACT, POLYGONS, SHADE];

@@ -2,6 +2,9 @@
 
 use crate::gpu::{Gpu, Target, color_target};
 
+/// Side of the block of pixels that a beam goes round. Twin: `BEAM_PIXELS` in `shaders/relief/{beam,exact}.wgsl`.
+pub const BEAM_PIXELS: u32 = 8;
+
 /// No surface, as a clear value (`FAR` in `shaders/lib/frame.wgsl`).
 pub const FAR: wgpu::Color = wgpu::Color {
     r: 3.0e38,
@@ -38,6 +41,8 @@ pub struct ReliefTargets {
     pub ground_distance: Target,
     /// Ground: packed normal.
     pub ground_normal: Target,
+    /// Per block of pixels: metres along its view rays without a building.
+    pub beam_distance: Target,
     /// Buildings: metres along the view ray.
     pub relief_distance: Target,
     /// Buildings: id.
@@ -61,6 +66,12 @@ impl ReliefTargets {
             depth: target("depth", Format::Depth32Float),
             ground_distance: target("ground distance", Format::R32Float),
             ground_normal: target("ground normal", Format::R32Uint),
+            beam_distance: Target::new(
+                gpu,
+                "beam distance",
+                size.map(|side| side.div_ceil(BEAM_PIXELS)),
+                Format::R32Float,
+            ),
             relief_distance: target("relief distance", Format::R32Float),
             relief_id: target("relief id", Format::R32Uint),
             relief_surface: target("relief surface", Format::Rg32Uint),

@@ -104,7 +104,7 @@ pub struct Resident {
     pub slot_buffer: wgpu::Buffer,
     /// Cell words.
     pub cells: TextureArray,
-    /// Highest roofs.
+    /// Highest roofs of the quarters of each block.
     pub pyramid: TextureArray,
     /// Outline vertices of all tiles.
     pub vertices: wgpu::Buffer,
@@ -302,7 +302,7 @@ fn load_maps(
     let pyramid = TextureArray::new(
         gpu,
         "building map pyramid",
-        wgpu::TextureFormat::R32Float,
+        wgpu::TextureFormat::Rgba16Float,
         side / 2,
         levels,
         layers,
@@ -329,27 +329,26 @@ fn load_maps(
         for (tile, map, maxima) in loaded.into_iter().flatten() {
             let slot = slots.len() as u32;
             cells.write(gpu, slot, 0, &map.cells);
-            for (level, values) in (0..).zip(&maxima.levels) {
-                // Negative infinity is no portable texel value; a depth below any ground does.
-                let values: Vec<f32> = values.iter().map(|value| value.max(-1e9)).collect();
-                pyramid.write(gpu, slot, level, &values);
-            }
             let lowest_base = map
                 .roofs
                 .iter()
                 .map(|roof| roof.base_m)
                 .fold(f32::INFINITY, f32::min);
+            let low = lowest_ground
+                .get(&tile)
+                .copied()
+                .unwrap_or(lowest_base)
+                .min(lowest_base);
+            for level in 1..=levels {
+                pyramid.write(gpu, slot, level - 1, &maxima.quarters(level as usize, low));
+            }
             slots.push(TileSlot {
                 tile: [tile.x as i32, tile.y as i32],
                 vertex_base: vertices.len() as u32,
                 piece_base: pieces.len() as u32,
                 roof_base: roofs.len() as u32,
                 padding: 0,
-                low: lowest_ground
-                    .get(&tile)
-                    .copied()
-                    .unwrap_or(lowest_base)
-                    .min(lowest_base),
+                low,
                 high: maxima.top(),
             });
             let row = city.manifest().grid.columns as usize * tile.y as usize;
@@ -364,7 +363,7 @@ fn load_maps(
     let texels = u64::from(side) * u64::from(side) * slots.len() as u64;
     Ok(MapData {
         bytes: texels * 4
-            + texels * 4 / 3
+            + texels * 8 / 3
             + 16 * vertices.len() as u64
             + 4 * pieces.len() as u64
             + 16 * roofs.len() as u64,
