@@ -76,11 +76,14 @@ fn records_are_laid_out_alike_on_both_sides() {
             "texel_m" = texel_m,
             "top_level" = top_level,
             "highest_roof" = highest_roof,
+            "lowest_ground" = lowest_ground,
             "terrain_step_m" = terrain_step_m,
             "terrain_side" = terrain_side,
             "sample" = sample,
             "pixel_angle" = pixel_angle,
             "photo_side" = photo_side,
+            "padding" = padding,
+            "more_padding" = more_padding,
         ]
     );
     same_layout!(

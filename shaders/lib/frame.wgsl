@@ -23,8 +23,9 @@ struct Frame {
     texel_m: f32,
     // log2 of the texels along a tile's side.
     top_level: u32,
-    // Highest roof of the city, metres above the eye.
+    // Highest roof and lowest ground of the city's tiles with buildings, metres above the eye.
     highest_roof: f32,
+    lowest_ground: f32,
     // Distance between terrain samples, metres; samples along a tile's side.
     terrain_step_m: f32,
     terrain_side: u32,
@@ -33,6 +34,8 @@ struct Frame {
     // Angle of a pixel at the image's middle, radians.
     pixel_angle: f32,
     photo_side: f32,
+    padding: u32,
+    more_padding: vec2<u32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,13 +1,13 @@
 // Buildings raised out of the building map, drawn on overflow faces.
 //
 // The terrain's own polygons do not cover what rises above them: a roof before the sky, a tower over the tile's
-// border. KR 10-0738500 adds faces for what overflows. Here they are the faces of the tile's volume (its border
-// upright, from its lowest ground to its highest roof) that face AWAY from the viewer: those cover every pixel whose
+// border. KR 10-0738500 adds faces for what overflows. Here they are the faces of the tiles' volume (its border
+// upright, from the lowest ground to the highest roof) that face AWAY from the viewer: those cover every pixel whose
 // ray meets the volume, also with the eye inside it or above the horizon. Only the raised shape is drawn, never
 // the face.
 //
-// Tiles come nearest first; the first face over a pixel claims it by the depth test, and its ray goes from tile to tile
-// (`walk_city`), so that each pixel walks once and nothing is cut at a tile's border.
+// Where two tiles meet no face is needed: a ray that leaves one tile goes on in the next, nearest first (`walk_city`), so
+// that each pixel walks once and nothing is cut at a tile's border. What is left are the faces on the border of all tiles.
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
 // Metres without a building, per block of pixels (`beam.wgsl`).
@@ -33,12 +33,11 @@ fn volume_corner(index: u32) -> vec3<f32> {
 }
 
 @vertex
-fn vs_overflow(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
-    let slot = slots[instance];
+fn vs_overflow(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     let corner = volume_corner(index);
-    let plan = tile_corner(slot.tile) + corner.xy * frame.tile_m;
-    let elevation = mix(slot.low, slot.high, corner.z) - frame.eye_elevation;
-    return frame.clip_from_eye_relative * vec4<f32>(plan, elevation, 1.0);
+    let plan = mix(tile_corner(vec2<i32>(0)), tile_corner(frame.grid), corner.xy);
+    let height = mix(frame.lowest_ground, frame.highest_roof, corner.z);
+    return frame.clip_from_eye_relative * vec4<f32>(plan, height, 1.0);
 }
 
 // The last face: the whole picture, behind all others. Where a face is cut off at the near plane a rasteriser may leave
@@ -51,21 +50,16 @@ fn vs_last(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
 // Twin: BEAM_PIXELS in src/relief/targets.rs.
 const BEAM_PIXELS: i32 = 8;
 
-struct ReliefSurface {
-    @location(0) distance: f32,
-    @location(1) id: u32,
-    // Facade coordinate (bits of an f32, metres along the outline) and packed normal.
-    @location(2) surface: vec2<u32>,
-}
-
+// Bits of the distance, id, bits of the facade coordinate (metres along the outline), packed normal.
 @fragment
-fn fs(@builtin(position) position: vec4<f32>) -> ReliefSurface {
+fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec4<u32> {
     let ray = make_ray(vec3<f32>(0.0), ray_direction(position.xy));
     let t_ground = textureLoad(ground_distance, vec2<i32>(position.xy), 0).x;
     let t_beam = textureLoad(beam_distance, vec2<i32>(position.xy) / BEAM_PIXELS, 0).x;
     let hit = walk_city(ray, t_beam, t_ground);
     // The face itself is never drawn: without a hit the surface stays at FAR, which shows nothing. It is not discarded,
-    // so that its depth keeps the faces behind it from walking the same ray again.
-    if hit.t >= FAR { return ReliefSurface(FAR, 0u, vec2<u32>(0u)); }
-    return ReliefSurface(hit.t, roofs[hit.building].fid, vec2<u32>(bitcast<u32>(hit.along_m), pack_normal(hit_normal(hit))));
+    // so that its depth keeps the face behind it from walking the same ray again.
+    if hit.t >= FAR { return vec4<u32>(bitcast<u32>(FAR), 0u, 0u, 0u); }
+    let along = bitcast<u32>(facade_coordinate(hit));
+    return vec4<u32>(bitcast<u32>(hit.t), roofs[hit.building].fid, along, pack_normal(hit_normal(hit)));
 }

@@ -22,15 +22,9 @@ fn vs(@location(0) position: vec3<f32>, @location(1) along: f32, @location(2) no
     return PolygonVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, normal, fid, along);
 }
 
-struct ReliefSurface {
-    @location(0) distance: f32,
-    @location(1) id: u32,
-    @location(2) surface: vec2<u32>,
-}
-
 @fragment
-fn fs(in: PolygonVertex) -> ReliefSurface {
+fn fs(in: PolygonVertex) -> @location(0) vec4<u32> {
     let t = length(in.at);
     if t > textureLoad(ground_distance, vec2<i32>(in.clip.xy), 0).x { discard; }
-    return ReliefSurface(t, in.fid, vec2<u32>(bitcast<u32>(in.along), in.normal));
+    return vec4<u32>(bitcast<u32>(t), in.fid, bitcast<u32>(in.along), in.normal);
 }

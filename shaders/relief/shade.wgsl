@@ -2,11 +2,10 @@
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
 @group(2) @binding(1) var ground_normal: texture_2d<u32>;
-@group(2) @binding(2) var relief_distance: texture_2d<f32>;
-@group(2) @binding(3) var relief_id: texture_2d<u32>;
-@group(2) @binding(4) var relief_surface: texture_2d<u32>;
-@group(2) @binding(5) var photo: texture_2d_array<f32>;
-@group(2) @binding(6) var photo_sampler: sampler;
+// Bits of the distance, id, bits of the facade coordinate, packed normal.
+@group(2) @binding(2) var relief_surface: texture_2d<u32>;
+@group(2) @binding(3) var photo: texture_2d_array<f32>;
+@group(2) @binding(4) var photo_sampler: sampler;
 
 struct Shaded {
     // Linear radiance.
@@ -67,7 +66,8 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let pixel = vec2<i32>(position.xy);
     let direction = ray_direction(position.xy);
     let t_ground = textureLoad(ground_distance, pixel, 0).x;
-    let t_relief = textureLoad(relief_distance, pixel, 0).x;
+    let relief = textureLoad(relief_surface, pixel, 0);
+    let t_relief = bitcast<f32>(relief.x);
     let t = min(t_ground, t_relief);
     if t >= FAR {
         return Shaded(vec4<f32>(sky_colour(direction) + sun_disc(direction), 1.0), FAR, 0u);
@@ -77,8 +77,8 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     var normal: vec3<f32>;
     var albedo: vec3<f32>;
     if t_relief < t_ground {
-        id = textureLoad(relief_id, pixel, 0).x;
-        normal = unpack_normal(textureLoad(relief_surface, pixel, 0).y);
+        id = relief.y;
+        normal = unpack_normal(relief.w);
         if normal.z > 0.5 {
             let seen = photo_at(at.xy, t, abs(direction.z));
             albedo = mix(roof_colour(id), seen.rgb, seen.a);

@@ -1,24 +1,22 @@
-//! Draws the buildings out of the building map: overflow faces of every visible tile, the nearest tile first, an exact
-//! walk per pixel (`shaders/relief/exact.wgsl` tells how).
+//! Draws the buildings out of the building map: overflow faces on the border of the tiles' volume, an exact
+//! walk per pixel, tile after tile, the nearest first (`shaders/relief/exact.wgsl` tells how).
 
 use super::MapBindings;
 use super::bindings::{FLOAT, group_of, layout_of, texture};
 use super::shaders::EXACT;
 use super::targets::ReliefTargets;
 use crate::gpu::{Gpu, shader_module};
-use crate::scene::{Frustum, Resident, nearest_first};
-use crate::space::View;
 
 /// The pipeline.
 pub struct ExactPass {
-    /// Faces of tile volumes.
+    /// Faces of the tiles' volume.
     overflow: wgpu::RenderPipeline,
     /// The face behind all others.
     last: wgpu::RenderPipeline,
     input_layout: wgpu::BindGroupLayout,
 }
 
-/// Vertices of a tile's volume: six faces of two triangles.
+/// Vertices of the tiles' volume: six faces of two triangles.
 const VOLUME_VERTICES: u32 = 36;
 
 impl ExactPass {
@@ -80,9 +78,6 @@ impl ExactPass {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        resident: &Resident,
-        view: &View,
-        frustum: &Frustum,
         frame: &wgpu::BindGroup,
         map: &MapBindings,
         targets: &ReliefTargets,
@@ -102,13 +97,7 @@ impl ExactPass {
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &map.group, &[]);
         pass.set_bind_group(2, &input, &[]);
-        for index in nearest_first(&resident.grid, &resident.building_tiles, view.eye.truncate()) {
-            let slot = &resident.slots[index];
-            let bounds = resident.grid.tile_bounds(resident.building_tiles[index]);
-            if frustum.sees(&bounds, f64::from(slot.low), f64::from(slot.high)) {
-                pass.draw(0..VOLUME_VERTICES, index as u32..index as u32 + 1);
-            }
-        }
+        pass.draw(0..VOLUME_VERTICES, 0..1);
         pass.set_pipeline(&self.last);
         pass.draw(0..3, 0..1);
     }

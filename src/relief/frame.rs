@@ -33,11 +33,14 @@ pub struct FrameUniforms {
     pub texel_m: f32,
     pub top_level: u32,
     pub highest_roof: f32,
+    pub lowest_ground: f32,
     pub terrain_step_m: f32,
     pub terrain_side: u32,
     pub sample: u32,
     pub pixel_angle: f32,
     pub photo_side: f32,
+    pub padding: u32,
+    pub more_padding: [u32; 2],
 }
 
 impl FrameUniforms {
@@ -72,11 +75,14 @@ impl FrameUniforms {
             texel_m: resident.texel_m as f32,
             top_level: resident.tile_texels.ilog2(),
             highest_roof: resident.highest_roof - view.eye.z as f32,
+            lowest_ground: resident.lowest_ground - view.eye.z as f32,
             terrain_step_m: resident.terrain_step_m as f32,
             terrain_side: resident.terrain_side,
             sample,
             pixel_angle: (2.0 * tan / height) as f32,
             photo_side: resident.photo_side as f32,
+            padding: 0,
+            more_padding: [0; 2],
         }
     }
 }

@@ -187,9 +187,9 @@ pub fn walk_tile(
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
     let top = map.side.ilog2();
-    // Begin with blocks about as large as the way to go: a short way need not come down from the tile's top.
+    // Begin with blocks about half as large as the way to go: a short way need not come down from the tile's top.
     let reach = ray.direction.xy().length() * (t1 - t0) / map.texel_m;
-    let mut level = reach.max(1.0).log2().ceil().clamp(1.0, top as f32) as u32;
+    let mut level = (reach.max(1.0).log2().ceil() - 1.0).clamp(1.0, top as f32) as u32;
     let place = (start + t0 * ray.direction.xy()) / (map.texel_m * (1_u32 << level) as f32);
     let most = IVec2::splat((1 << (top - level)) - 1);
     let mut block = place.floor().as_ivec2().clamp(IVec2::ZERO, most);

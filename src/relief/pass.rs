@@ -90,9 +90,7 @@ impl ReliefPass {
                 let begin = timer.and_then(|timer| timer.begin_of_pass(1));
                 let end = timer.and_then(|timer| timer.end_of_pass(1));
                 self.beam.encode(encoder, &frame, &self.map, targets, begin);
-                self.exact.encode(
-                    gpu, encoder, resident, view, &frustum, &frame, &self.map, targets, end,
-                );
+                self.exact.encode(gpu, encoder, &frame, &self.map, targets, end);
             }
         }
         self.shade

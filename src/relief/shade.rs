@@ -25,8 +25,6 @@ impl ShadePass {
             &[
                 texture(FLOAT, false),
                 texture(Uint, false),
-                texture(FLOAT, false),
-                texture(Uint, false),
                 texture(Uint, false),
                 texture(Float { filterable: true }, true),
                 wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
@@ -76,9 +74,7 @@ impl ShadePass {
             vec![
                 TextureView(&targets.ground_distance.view),
                 TextureView(&targets.ground_normal.view),
-                TextureView(&targets.relief_distance.view),
-                TextureView(&targets.relief_id.view),
-                TextureView(&targets.relief_surface.view),
+                TextureView(&targets.relief.view),
                 TextureView(&resident.photos.view),
                 Sampler(&self.sampler),
             ],

@@ -24,13 +24,9 @@ pub fn reversed_depth() -> wgpu::DepthStencilState {
     }
 }
 
-/// Formats of the relief targets: distance, id, surface.
-pub fn relief_target_states() -> [Option<wgpu::ColorTargetState>; 3] {
-    [
-        color_target(wgpu::TextureFormat::R32Float),
-        color_target(wgpu::TextureFormat::R32Uint),
-        color_target(wgpu::TextureFormat::Rg32Uint),
-    ]
+/// Format of the buildings' target.
+pub fn relief_target_states() -> [Option<wgpu::ColorTargetState>; 1] {
+    [color_target(wgpu::TextureFormat::Rgba32Uint)]
 }
 
 /// Images of one size that the pass draws.
@@ -43,12 +39,8 @@ pub struct ReliefTargets {
     pub ground_normal: Target,
     /// Per block of pixels: metres along its view rays without a building.
     pub beam_distance: Target,
-    /// Buildings: metres along the view ray.
-    pub relief_distance: Target,
-    /// Buildings: id.
-    pub relief_id: Target,
-    /// Buildings: facade coordinate and packed normal.
-    pub relief_surface: Target,
+    /// Buildings: bits of the metres along the view ray, id, bits of the facade coordinate, packed normal.
+    pub relief: Target,
     /// Linear radiance.
     pub radiance: Target,
     /// Metres along the view ray of what is seen, 3e38 for sky.
@@ -72,9 +64,7 @@ impl ReliefTargets {
                 size.map(|side| side.div_ceil(BEAM_PIXELS)),
                 Format::R32Float,
             ),
-            relief_distance: target("relief distance", Format::R32Float),
-            relief_id: target("relief id", Format::R32Uint),
-            relief_surface: target("relief surface", Format::Rg32Uint),
+            relief: target("relief", Format::Rgba32Uint),
             radiance: target("radiance", Format::Rgba16Float),
             distance: target("distance", Format::R32Float),
             id: target("id", Format::R32Uint),
@@ -89,11 +79,10 @@ impl ReliefTargets {
     ) -> wgpu::RenderPass<'a> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("relief"),
-            color_attachments: &[
-                self.relief_distance.cleared(FAR),
-                self.relief_id.cleared(wgpu::Color::TRANSPARENT),
-                self.relief_surface.cleared(wgpu::Color::TRANSPARENT),
-            ],
+            color_attachments: &[self.relief.cleared(wgpu::Color {
+                r: f64::from((FAR.r as f32).to_bits()),
+                ..wgpu::Color::TRANSPARENT
+            })],
             depth_stencil_attachment: self.depth.cleared_depth(),
             timestamp_writes: timestamps,
             ..Default::default()

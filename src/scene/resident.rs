@@ -90,6 +90,8 @@ pub struct Resident {
     pub photo_side: u32,
     /// Highest roof of the city, metres.
     pub highest_roof: f32,
+    /// Lowest ground of the tiles with buildings, metres.
+    pub lowest_ground: f32,
     /// Tiles with buildings, in slot order.
     pub building_tiles: Vec<TileId>,
     /// Their records.
@@ -152,6 +154,11 @@ impl Resident {
                 .iter()
                 .map(|slot| slot.high)
                 .fold(f32::NEG_INFINITY, f32::max),
+            lowest_ground: maps
+                .slots
+                .iter()
+                .map(|slot| slot.low)
+                .fold(f32::INFINITY, f32::min),
             building_tiles: maps.tiles,
             slots: maps.slots,
             ground: ground.slots,
