@@ -61,6 +61,10 @@ fn is_open(at: vec3<f32>, normal: vec3<f32>, direction: vec3<f32>, reach: f32) -
     return walk_city(make_ray(start, direction), 0.0, reach).t >= FAR;
 }
 
+// Whether the sun's disc and the sky's half are sampled, one ray each; else one ray to the sun's middle. A constant of
+// the pipeline, because a software device runs both sides of a branch.
+override STOCHASTIC: bool = false;
+
 @fragment
 fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let pixel = vec2<i32>(position.xy);
@@ -94,7 +98,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let random = fract(random3(vec3<u32>(vec2<u32>(pixel), 1u)) + f32(frame.sample) * vec3<f32>(0.8191725, 0.6710436, 0.5497005));
     var to_sun = frame.sun.xyz;
     var sky_share = 1.0;
-    if frame.sample > 0u {
+    if STOCHASTIC {
         // A point of the solar disc, and one ray of the sky's half, cosine-weighted.
         let turn = 6.2831853 * random.y;
         let side = normalize(cross(normal, select(vec3<f32>(0.0, 0.0, 1.0), vec3<f32>(1.0, 0.0, 0.0), abs(normal.z) > 0.9)));

@@ -51,7 +51,7 @@ impl Develop {
         let tonemap_layout = layout(&[texture_entry(0), exposure_entry]);
         let pipeline = |source, layout, format| {
             let module = shader_module(gpu, source);
-            fullscreen_pipeline(gpu, &module, &[Some(layout)], &[color_target(format)])
+            fullscreen_pipeline(gpu, &module, &[Some(layout)], &[color_target(format)], &[])
         };
         Self {
             accumulate: pipeline(&ACCUMULATE, &accumulate_layout, SUM),

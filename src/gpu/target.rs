@@ -68,12 +68,14 @@ pub fn color_target(format: wgpu::TextureFormat) -> Option<wgpu::ColorTargetStat
     })
 }
 
-/// A pipeline that draws one triangle over the whole target (entries `vs_fullscreen` and `fs`).
+/// A pipeline that draws one triangle over the whole target (entries `vs_fullscreen` and `fs`). `constants` set the
+/// fragment stage's overrides.
 pub fn fullscreen_pipeline(
     gpu: &Gpu,
     module: &wgpu::ShaderModule,
     layouts: &[Option<&wgpu::BindGroupLayout>],
     targets: &[Option<wgpu::ColorTargetState>],
+    constants: &[(&str, f64)],
 ) -> wgpu::RenderPipeline {
     let layout = gpu
         .device
@@ -98,7 +100,10 @@ pub fn fullscreen_pipeline(
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some("fs"),
-                compilation_options: Default::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants,
+                    ..Default::default()
+                },
                 targets,
             }),
             multiview_mask: None,

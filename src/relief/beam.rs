@@ -19,6 +19,7 @@ impl BeamPass {
             &module,
             &[Some(frame_layout), Some(&map.layout)],
             &[color_target(wgpu::TextureFormat::R32Float)],
+            &[],
         );
         Self { pipeline }
     }

@@ -93,7 +93,15 @@ impl ReliefPass {
                 self.exact.encode(gpu, encoder, &frame, &self.map, targets, end);
             }
         }
-        self.shade
-            .encode(gpu, encoder, resident, &frame, &self.map, targets, timed(2));
+        self.shade.encode(
+            gpu,
+            encoder,
+            resident,
+            &frame,
+            &self.map,
+            sample,
+            targets,
+            timed(2),
+        );
     }
 }

@@ -9,7 +9,10 @@ use crate::scene::Resident;
 
 /// The pipeline.
 pub struct ShadePass {
-    pipeline: wgpu::RenderPipeline,
+    /// One ray to the sun.
+    plain: wgpu::RenderPipeline,
+    /// Samples of the sun's disc and the sky.
+    stochastic: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
 }
@@ -30,16 +33,19 @@ impl ShadePass {
                 wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
             ],
         );
-        let pipeline = fullscreen_pipeline(
-            gpu,
-            &module,
-            &[Some(frame_layout), Some(&map.layout), Some(&layout)],
-            &[
-                color_target(wgpu::TextureFormat::Rgba16Float),
-                color_target(wgpu::TextureFormat::R32Float),
-                color_target(wgpu::TextureFormat::R32Uint),
-            ],
-        );
+        let pipeline = |stochastic: bool| {
+            fullscreen_pipeline(
+                gpu,
+                &module,
+                &[Some(frame_layout), Some(&map.layout), Some(&layout)],
+                &[
+                    color_target(wgpu::TextureFormat::Rgba16Float),
+                    color_target(wgpu::TextureFormat::R32Float),
+                    color_target(wgpu::TextureFormat::R32Uint),
+                ],
+                &[("STOCHASTIC", f64::from(u8::from(stochastic)))],
+            )
+        };
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("photo"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -48,7 +54,8 @@ impl ShadePass {
             ..Default::default()
         });
         Self {
-            pipeline,
+            plain: pipeline(false),
+            stochastic: pipeline(true),
             layout,
             sampler,
         }
@@ -63,6 +70,7 @@ impl ShadePass {
         resident: &Resident,
         frame: &wgpu::BindGroup,
         map: &MapBindings,
+        sample: u32,
         targets: &ReliefTargets,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
@@ -89,7 +97,7 @@ impl ShadePass {
             timestamp_writes: timestamps,
             ..Default::default()
         });
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(if sample > 0 { &self.stochastic } else { &self.plain });
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &map.group, &[]);
         pass.set_bind_group(2, &group, &[]);
