@@ -1,8 +1,24 @@
-//! The optics between radiance and the picture. Now: the sum of samples, exposure and tone mapping. The lens, its depth
-//! of field and its flare go between the sum and the exposure.
+//! The optics between radiance and the picture: the lens, its ways of light, and the development of the picture.
+//!
+//! ```text
+//! lens ─▶ path ─▶ paraxial ─┐
+//!               └▶ trace ───┴▶ diagram
+//! radiance ─▶ develop ─▶ picture
+//! ```
 
 mod develop;
+mod diagram;
+pub mod lens;
+mod paraxial;
+mod path;
 mod shaders;
+mod trace;
 
 pub use develop::Develop;
+pub use diagram::lens_diagram;
+pub use paraxial::{
+    Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
+};
+pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use shaders::ALL as SHADERS;
+pub use trace::{TracedRay, Tracer, beam_direction};

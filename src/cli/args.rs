@@ -25,6 +25,9 @@ pub enum Command {
     Info(super::info::InfoArgs),
     /// Draw one view to a PNG.
     Render(super::render::RenderArgs),
+    /// Lens prescriptions: first-order data, ghosts, exact rays, drawings.
+    #[command(subcommand)]
+    Lens(super::lens::LensCommand),
     /// Time the frames of some views.
     Bench(super::bench::BenchArgs),
 }

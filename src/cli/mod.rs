@@ -14,6 +14,7 @@ mod args;
 mod bench;
 mod import;
 mod info;
+mod lens;
 mod render;
 mod sample;
 
@@ -39,6 +40,12 @@ pub enum CommandError {
     /// The sun could not be placed.
     #[error(transparent)]
     Sun(#[from] crate::space::SunError),
+    /// A lens could not be read.
+    #[error(transparent)]
+    Lens(#[from] crate::camera::lens::LensError),
+    /// An argument that fits its form but not its subject.
+    #[error("{0}")]
+    Argument(String),
     /// A file could not be written.
     #[error("{path}: {why}")]
     File {
@@ -77,6 +84,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Sample(args) => sample::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Lens(command) => lens::run(command),
         Command::Bench(args) => bench::run(&args),
     }
 }

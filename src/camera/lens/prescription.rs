@@ -1,0 +1,151 @@
+//! The prescription: surfaces from the front to the back, millimetres.
+
+use super::{Coating, D_LINE_UM, Glass, LensError};
+
+/// One surface, or the stop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Radius of curvature, positive when the centre lies behind the surface; 0 = plane.
+    pub radius_mm: f64,
+    /// Distance along the axis to the next surface (of the last one: to the sensor as the file has it).
+    pub thickness_mm: f64,
+    /// What comes after the surface.
+    pub glass: Glass,
+    /// Clear radius; none where the file gives none.
+    pub semi_diameter_mm: Option<f64>,
+    /// Conic constant: 0 sphere, -1 paraboloid.
+    pub conic: f64,
+    /// Coefficients of r², r⁴, r⁶ ... added to the conic's sag, 1/mm^(2k-1).
+    pub aspheric: Vec<f64>,
+    /// Anti-reflection coating; none = bare.
+    pub coating: Option<Coating>,
+}
+
+/// A lens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lens {
+    /// Short name.
+    pub name: String,
+    /// Where the numbers come from.
+    pub source: String,
+    /// Surfaces from the front, the stop among them.
+    pub surfaces: Vec<Surface>,
+    /// Index of the stop in `surfaces`.
+    pub stop: usize,
+    /// Width and height of the film, millimetres.
+    pub film_mm: [f64; 2],
+}
+
+impl Surface {
+    /// A plane without glass: how a stop begins.
+    pub fn plane(thickness_mm: f64) -> Self {
+        Self {
+            radius_mm: 0.0,
+            thickness_mm,
+            glass: Glass::Air,
+            semi_diameter_mm: None,
+            conic: 0.0,
+            aspheric: Vec::new(),
+            coating: None,
+        }
+    }
+
+    /// 1 / radius at the vertex, with the asphere's r² term; 0 for a plane.
+    pub fn curvature(&self) -> f64 {
+        let base = if self.radius_mm == 0.0 {
+            0.0
+        } else {
+            self.radius_mm.recip()
+        };
+        base + 2.0 * self.aspheric.first().copied().unwrap_or(0.0)
+    }
+}
+
+impl Lens {
+    /// Checks a table and fills clear radii that the file leaves out.
+    ///
+    /// # Errors
+    /// `Unfit` when no light can go through: no surface, no stop, numbers that are none, a sensor in front of the lens.
+    pub fn new(
+        name: String,
+        source: String,
+        surfaces: Vec<Surface>,
+        stop: Option<usize>,
+        film_mm: [f64; 2],
+    ) -> Result<Self, LensError> {
+        let unfit = |what: String| LensError::Unfit {
+            name: name.clone(),
+            what,
+        };
+        let Some(stop) = stop else {
+            return Err(unfit("no surface is the aperture stop; mark one".to_owned()));
+        };
+        if surfaces.len() < 2 || stop >= surfaces.len() {
+            return Err(unfit("a lens needs a stop and at least one surface".to_owned()));
+        }
+        if surfaces.len() > 200 {
+            return Err(unfit(format!(
+                "{} surfaces are more than the 200 that are supported",
+                surfaces.len()
+            )));
+        }
+        for (number, surface) in (1..).zip(&surfaces) {
+            let numbers = [
+                surface.radius_mm,
+                surface.thickness_mm,
+                surface.conic,
+                surface.glass.index(D_LINE_UM),
+            ];
+            let clear = surface.semi_diameter_mm.unwrap_or(1.0);
+            if !numbers
+                .iter()
+                .chain(&surface.aspheric)
+                .all(|value| value.is_finite())
+                || !(clear.is_finite() && clear > 0.0)
+            {
+                return Err(unfit(format!("surface {number} has a value that is no number")));
+            }
+            if !(0.5..5.0).contains(&surface.glass.index(D_LINE_UM)) {
+                return Err(unfit(format!(
+                    "surface {number} has the refractive index {}; an index lies between 1 and about 4",
+                    surface.glass.index(D_LINE_UM)
+                )));
+            }
+        }
+        if surfaces[stop].radius_mm != 0.0 && surfaces[stop].glass == Glass::Air && stop == 0 {
+            return Err(unfit("the stop is curved and lies in air".to_owned()));
+        }
+        Ok(Self {
+            name,
+            source,
+            surfaces,
+            stop,
+            film_mm,
+        })
+    }
+
+    /// Indices of all media at a wavelength: before the first surface, then after each.
+    pub fn indices(&self, wavelength_um: f64) -> Vec<f64> {
+        std::iter::once(1.0)
+            .chain(
+                self.surfaces
+                    .iter()
+                    .map(|surface| surface.glass.index(wavelength_um)),
+            )
+            .collect()
+    }
+
+    /// Whether light is reflected at a surface: the media on its sides differ.
+    pub fn reflects(&self, surface: usize) -> bool {
+        let before = match surface {
+            0 => 1.0,
+            _ => self.surfaces[surface - 1].glass.index(D_LINE_UM),
+        };
+        (before - self.surfaces[surface].glass.index(D_LINE_UM)).abs() > 1e-9
+    }
+
+    /// Clear radius of a surface, millimetres; infinite where the file gives none.
+    pub fn clear_radius(&self, surface: usize) -> f64 {
+        self.surfaces[surface].semi_diameter_mm.unwrap_or(f64::INFINITY)
+    }
+}
