@@ -89,15 +89,13 @@ pub fn lens_diagram(lens: &Lens, wavelength_um: f64, angles: &[f64], ghost: Opti
             for ray in 0..RAYS {
                 let height = aim + reach * (2.0 * f64::from(ray) / f64::from(RAYS - 1) - 1.0) * 0.98;
                 let entry = DVec2::new(height.clamp(-clear(0), clear(0)), 0.0);
-                let Some(points) = tracer.points(way, entry, beam_direction(*angle), &vertices, sensor_z) else {
+                let Some(points) = tracer.points(way, entry, beam_direction(*angle), &vertices, sensor_z)
+                else {
                     continue;
                 };
                 let first = points[0];
                 let start = first.x - (first.x - left).max(0.0);
-                let mut line = format!(
-                    "M{start:.3} {:.3}",
-                    -(first.y - (first.x - start) * angle.tan())
-                );
+                let mut line = format!("M{start:.3} {:.3}", -(first.y - (first.x - start) * angle.tan()));
                 for point in &points {
                     let _ = write!(line, "L{:.3} {:.3}", point.x, -point.y);
                 }

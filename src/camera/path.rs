@@ -25,10 +25,12 @@ pub struct Step {
 
 /// All meetings in order; without a ghost, the way of the image.
 pub fn path(surfaces: usize, ghost: Option<Ghost>) -> Vec<Step> {
-    let step = |forward, reflects| move |surface| Step {
-        surface,
-        forward,
-        reflects,
+    let step = |forward, reflects| {
+        move |surface| Step {
+            surface,
+            forward,
+            reflects,
+        }
     };
     let Some(Ghost { first, second }) = ghost else {
         return (0..surfaces).map(step(true, false)).collect();

@@ -108,7 +108,11 @@ impl<'a> Tracer<'a> {
                 relative_height = relative_height.max(height);
             }
             let (front, behind) = (self.indices[step.surface], self.indices[step.surface + 1]);
-            let (n1, n2) = if step.forward { (front, behind) } else { (behind, front) };
+            let (n1, n2) = if step.forward {
+                (front, behind)
+            } else {
+                (behind, front)
+            };
             let normal = normal_at(surface, at);
             let reflected = self.reflectance(surface, n1, n2, step.forward, normal.dot(d).abs());
             if step.reflects {

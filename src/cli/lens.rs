@@ -10,6 +10,7 @@ use crate::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in, open, to_toml};
 use crate::camera::{
     Ghost, Paraxial, Tracer, beam_direction, crossings, ghosts, lens_diagram, single_crossing_ghosts,
 };
+use crate::output::write_drawing;
 
 /// What to do with lenses.
 #[derive(Debug, clap::Subcommand)]
@@ -32,12 +33,17 @@ pub enum LensCommand {
         /// A built-in name or a file.
         lens: String,
         /// Angles of the beams, degrees.
-        #[arg(long, value_delimiter = ',', default_value = "0,5,10", allow_hyphen_values = true)]
+        #[arg(
+            long,
+            value_delimiter = ',',
+            default_value = "0,5,10",
+            allow_hyphen_values = true
+        )]
         angles: Vec<f64>,
         /// Draw this ghost's rays too: I,J.
         #[arg(long, value_parser = pair)]
         ghost: Option<[usize; 2]>,
-        /// The drawing to write, .svg.
+        /// The drawing to write, .svg or .png.
         #[arg(long)]
         out: PathBuf,
     },
@@ -105,10 +111,8 @@ pub fn run(command: LensCommand) -> Result<(), CommandError> {
             let ghost = ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
             let radians: Vec<f64> = angles.iter().map(|angle| angle.to_radians()).collect();
             let svg = lens_diagram(&lens, D_LINE_UM, &radians, ghost);
-            std::fs::write(&out, svg).map_err(|error| CommandError::File {
-                path: out.display().to_string(),
-                why: error.to_string(),
-            })
+            write_drawing(&out, &svg)?;
+            Ok(())
         }
         LensCommand::Ghosts { lens, json } => list_ghosts(&open(&lens)?, json),
         LensCommand::Trace {
@@ -323,7 +327,11 @@ fn trace(
             say!("sensor {:.6}, {:.6} mm", ray.sensor_mm.x, ray.sensor_mm.y);
             say!(
                 "{}; at most {:.3} of a clear radius",
-                if ray.is_alive() { "arrives" } else { "is held by the barrel or the stop" },
+                if ray.is_alive() {
+                    "arrives"
+                } else {
+                    "is held by the barrel or the stop"
+                },
                 ray.relative_height
             );
         }

@@ -67,3 +67,26 @@ where
         .map_err(|why| error(why.to_string()))?;
     writer.flush().map_err(|why| error(why.to_string()))
 }
+
+/// Writes a drawing as it is (.svg) or drawn out (.png), by the path's ending.
+pub fn write_drawing(path: &Path, svg: &str) -> Result<(), OutputError> {
+    use resvg::{tiny_skia, usvg};
+    let error = output_error(path);
+    let ending = path
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("svg") => std::fs::write(path, svg).map_err(|why| error(why.to_string())),
+        Some("png") => {
+            let tree =
+                usvg::Tree::from_str(svg, &usvg::Options::default()).map_err(|why| error(why.to_string()))?;
+            let size = tree.size().to_int_size();
+            let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
+                .ok_or_else(|| error("the drawing has no size".to_owned()))?;
+            resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
+            // The drawing's ground is opaque, so that nothing is left to divide by its alpha.
+            write_png(path, [size.width(), size.height()], pixels.data())
+        }
+        _ => Err(error("name a file that ends in .svg or .png".to_owned())),
+    }
+}

@@ -8,7 +8,12 @@ macro_rules! file {
     ($name:literal) => {
         (
             $name,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/data/lenses/", $name, ".toml")),
+            include_str!(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/data/lenses/",
+                $name,
+                ".toml"
+            )),
         )
     };
 }

@@ -20,12 +20,10 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
     let (mut stop, mut with_object) = (None, false);
     // A line that ends in & goes on in the next.
     let joined = text.replace("&\r\n", " ").replace("&\n", " ");
-    let statements = (1..)
-        .zip(joined.lines())
-        .flat_map(|(number, line)| {
-            let line = line.split('!').next().unwrap_or_default();
-            line.split(';').map(move |statement| (number, statement))
-        });
+    let statements = (1..).zip(joined.lines()).flat_map(|(number, line)| {
+        let line = line.split('!').next().unwrap_or_default();
+        line.split(';').map(move |statement| (number, statement))
+    });
     for (number, statement) in statements {
         let words: Vec<&str> = statement.split_whitespace().collect();
         let Some(&first) = words.first() else { continue };
@@ -91,7 +89,9 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
 fn glass_of(word: &str) -> Result<Glass, String> {
     let model = |n_d: &str, v_d: &str| Some((n_d.parse::<f64>().ok()?, v_d.parse::<f64>().ok()?));
     let unknown = || {
-        format!("the glass {word} is in no catalogue here; write it as a code like 516800.641673 (n_d - 1, V_d)")
+        format!(
+            "the glass {word} is in no catalogue here; write it as a code like 516800.641673 (n_d - 1, V_d)"
+        )
     };
     if word.is_empty() || word.eq_ignore_ascii_case("AIR") {
         return Ok(Glass::Air);

@@ -64,7 +64,13 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
         }
         surfaces.push(surface_of(&row).map_err(syntax)?);
     }
-    Lens::new(name, remark("source").unwrap_or_default(), surfaces, stop, film_mm)
+    Lens::new(
+        name,
+        remark("source").unwrap_or_default(),
+        surfaces,
+        stop,
+        film_mm,
+    )
 }
 
 fn surface_of(row: &Row) -> Result<Surface, String> {

@@ -52,7 +52,12 @@ pub fn open(name: &str) -> Result<Lens, LensError> {
 /// Text in UTF-16 (either order, told by its mark), UTF-8, or else Latin-1.
 fn text_of(bytes: &[u8]) -> String {
     let utf16 = |pair: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes[2..].as_chunks::<2>().0.iter().map(|&two| pair(two)).collect();
+        let units: Vec<u16> = bytes[2..]
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .map(|&two| pair(two))
+            .collect();
         String::from_utf16_lossy(&units)
     };
     match bytes {

@@ -144,10 +144,7 @@ pub fn to_toml(lens: &Lens) -> String {
         let (n_d, v_d) = match &surface.glass {
             Glass::Air => (None, None),
             Glass::Model { n_d, v_d } => (Some(*n_d), (*v_d > 0.0).then_some(*v_d)),
-            glass => (
-                Some(glass.index(super::D_LINE_UM)),
-                Some(glass.abbe_number()),
-            ),
+            glass => (Some(glass.index(super::D_LINE_UM)), Some(glass.abbe_number())),
         };
         let row = Row {
             stop: index == lens.stop,

@@ -1,0 +1,385 @@
+//! Lenses: against an independent exact trace, and by the laws of optics.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::{Path, PathBuf};
+
+use glam::{DMat2, DVec2, DVec3};
+use rilievo::camera::lens::{BUILT_IN, D_LINE_UM, Layer, Lens, built_in, open, reflectance, to_toml};
+use rilievo::camera::{
+    Ghost, Paraxial, Tracer, beam_direction, ghosts, refraction, refraction_backward, single_crossing_ghosts,
+};
+use serde_json::Value;
+
+fn lens(name: &str) -> Lens {
+    built_in(name).expect("a built-in lens").expect("a sound table")
+}
+
+fn shared_lenses() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/lenses");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!(
+        "SKIPPED: {} is absent, nothing was compared with the exact trace",
+        folder.display()
+    );
+    None
+}
+
+/// Counts of Lee & Eisemann 2013 (Table 2) and of combinatorics: pairs on one side of the stop.
+#[test]
+fn ghosts_that_cross_the_stop_once() {
+    for (name, single) in [
+        ("heliar", 13),
+        ("angenieux", 42),
+        ("itoh", 73),
+        ("nikon", 142),
+        ("canon", 312),
+    ] {
+        assert_eq!(single_crossing_ghosts(&lens(name)).len(), single, "{name}");
+    }
+}
+
+/// The paper's Heliar by an independent calculation; Example 1 of U.S. 2,645,156 likewise.
+#[test]
+fn focal_lengths() {
+    for (name, efl, bfd) in [
+        ("heliar", 99.235_796_349_124_39, 81.315_056_421_726_34),
+        ("heliar-example-1", 100.019_029, 82.045_722),
+    ] {
+        let paraxial = Paraxial::new(&lens(name), D_LINE_UM, None);
+        assert!(
+            (paraxial.efl_mm / efl - 1.0).abs() < 1e-8,
+            "{name}: {}",
+            paraxial.efl_mm
+        );
+        assert!(
+            (paraxial.bfd_mm / bfd - 1.0).abs() < 1e-8,
+            "{name}: {}",
+            paraxial.bfd_mm
+        );
+    }
+}
+
+fn matrix_of(value: &Value) -> DMat2 {
+    let at = |row: usize, column: usize| value[row][column].as_f64().unwrap();
+    DMat2::from_cols(DVec2::new(at(0, 0), at(1, 0)), DVec2::new(at(0, 1), at(1, 1)))
+}
+
+fn point_of(value: &Value) -> DVec2 {
+    DVec2::new(value[0].as_f64().unwrap(), value[1].as_f64().unwrap())
+}
+
+#[test]
+fn every_ray_of_the_independent_trace_of_the_heliar() {
+    let Some(folder) = shared_lenses() else { return };
+    let truth: Value =
+        serde_json::from_slice(&std::fs::read(folder.join("heliar_ghosts.json")).unwrap()).unwrap();
+    let heliar = lens("heliar");
+    let gap = heliar.surfaces[8].thickness_mm;
+    let tracer = Tracer::new(&heliar, D_LINE_UM, gap);
+    let paraxial = Paraxial::new(&heliar, D_LINE_UM, Some(gap));
+    let (mut rays, mut worst, mut worst_matrix) = (0, 0.0_f64, 0.0_f64);
+    for case in truth["cases"].as_array().unwrap() {
+        let [i, j] = [0, 1].map(|k| case["ghost"][k].as_u64().unwrap() as usize);
+        let ghost = (i > 0).then(|| Ghost {
+            first: i - 1,
+            second: j - 1,
+        });
+        let matrices = paraxial.matrices(ghost);
+        for (key, ours) in [("Ma", matrices.ma), ("Ms", matrices.ms), ("Mf", matrices.mf)] {
+            let theirs = matrix_of(&case[key]);
+            let scale = theirs.x_axis.length() + theirs.y_axis.length();
+            worst_matrix = worst_matrix.max(
+                (ours - theirs)
+                    .x_axis
+                    .length()
+                    .max((ours - theirs).y_axis.length())
+                    / scale,
+            );
+        }
+        let direction = beam_direction(case["theta_deg"].as_f64().unwrap().to_radians());
+        for ray in case["rays"].as_array().unwrap() {
+            let traced = tracer.trace(ghost, point_of(&ray["entry"]), direction).unwrap();
+            let off = (traced.stop_mm - point_of(&ray["stop"]))
+                .length()
+                .max((traced.sensor_mm - point_of(&ray["sensor"])).length());
+            worst = worst.max(off);
+            assert!((traced.relative_height - ray["rel"].as_f64().unwrap()).abs() < 1e-9);
+            rays += 1;
+        }
+    }
+    println!("{rays} rays within {worst:.1e} mm, matrices within {worst_matrix:.1e}");
+    assert!(rays > 1000);
+    assert!(worst < 1e-9, "{worst} mm off");
+    assert!(worst_matrix < 1e-12);
+}
+
+/// Every matrix is the exact tracer's derivative on the axis.
+#[test]
+fn matrices_are_the_derivative_of_the_exact_trace() {
+    for (name, _) in BUILT_IN {
+        let lens = lens(name);
+        let paraxial = Paraxial::new(&lens, D_LINE_UM, None);
+        let tracer = Tracer::new(&lens, D_LINE_UM, paraxial.sensor_gap_mm());
+        for ghost in single_crossing_ghosts(&lens) {
+            let matrices = paraxial.matrices(Some(ghost));
+            // Third-order terms fall out of the central difference of two steps (Richardson).
+            let derivative = |trace: &dyn Fn(f64) -> [f64; 2], h: f64| {
+                let central = |h: f64| {
+                    let (ahead, behind) = (trace(h), trace(-h));
+                    [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * h))
+                };
+                let (coarse, fine) = (central(h), central(0.5 * h));
+                [0, 1].map(|k| (4.0 * fine[k] - coarse[k]) / 3.0)
+            };
+            let both = |ray: rilievo::camera::TracedRay| [ray.stop_mm.x, ray.sensor_mm.x];
+            let by_height = derivative(
+                &|x| both(tracer.trace(Some(ghost), DVec2::new(x, 0.0), DVec3::Z).unwrap()),
+                2e-3,
+            );
+            let by_slope = derivative(
+                &|u: f64| {
+                    let direction = DVec3::new(u, 0.0, 1.0).normalize();
+                    both(tracer.trace(Some(ghost), DVec2::ZERO, direction).unwrap())
+                },
+                1e-4,
+            );
+            let expected = [
+                [matrices.ma.x_axis.x, matrices.ma.y_axis.x],
+                [matrices.mf.x_axis.x, matrices.mf.y_axis.x],
+            ];
+            for k in 0..2 {
+                let scale = [expected[k][0].abs().max(0.01), expected[k][1].abs().max(1.0)];
+                let off = [by_height[k] - expected[k][0], by_slope[k] - expected[k][1]];
+                assert!(
+                    off[0].abs() < 1e-6 * scale[0] && off[1].abs() < 1e-6 * scale[1],
+                    "{name} {ghost:?}: {off:?} of {expected:?}"
+                );
+            }
+        }
+    }
+}
+
+/// Regression: the literal inverse for refraction from behind puts the Heliar's ghost (9, 7) 1.2 mm off at 5 degrees.
+#[test]
+fn the_literal_inverse_is_the_wrong_sign() {
+    let (n1, n2, curvature) = (1.0, 1.652, 1.0 / 30.81);
+    let right = refraction_backward(n1, n2, curvature);
+    let literal = refraction(n1, n2, curvature).inverse();
+    assert!(
+        (right.x_axis.y + literal.x_axis.y).abs() < 1e-15,
+        "the power changes its sign"
+    );
+    let heliar = lens("heliar");
+    let gap = heliar.surfaces[8].thickness_mm;
+    let ghost = Ghost { first: 8, second: 6 };
+    let exact = Tracer::new(&heliar, D_LINE_UM, gap)
+        .trace(Some(ghost), DVec2::ZERO, beam_direction(5_f64.to_radians()))
+        .unwrap();
+    let slope = 5_f64.to_radians().tan();
+    let at = Paraxial::new(&heliar, D_LINE_UM, Some(gap))
+        .matrices(Some(ghost))
+        .mf
+        * DVec2::new(0.0, slope);
+    assert!(
+        (at.x - exact.sensor_mm.x).abs() < 0.1,
+        "{} and {}",
+        at.x,
+        exact.sensor_mm.x
+    );
+}
+
+/// Fresnel at normal incidence; a quarter wave's closed form; Brewster's angle; nothing lost at equal indices.
+#[test]
+fn reflectance_obeys_the_closed_forms() {
+    let bare = reflectance(1.0, &[], 1.5, 1.0, 0.55);
+    assert!((bare - 0.04).abs() < 1e-12);
+    let (n0, n1, ns) = (1.0, 1.38, 1.652);
+    let film = [Layer {
+        index: n1,
+        thickness_um: 0.55 / (4.0 * n1),
+    }];
+    let quarter = ((n0 * ns - n1 * n1) / (n0 * ns + n1 * n1)).powi(2);
+    assert!((reflectance(n0, &film, ns, 1.0, 0.55) - quarter).abs() < 1e-12);
+    // Half a wave is as if it were absent.
+    let half = [Layer {
+        index: n1,
+        thickness_um: 0.55 / (2.0 * n1),
+    }];
+    let none = reflectance(n0, &[], ns, 1.0, 0.55);
+    assert!((reflectance(n0, &half, ns, 1.0, 0.55) - none).abs() < 1e-12);
+    // At Brewster's angle only the s polarisation is reflected, (n²-1)²/(n²+1)² of it.
+    let cos = 1.0 / (1.0 + 1.5_f64.powi(2)).sqrt();
+    let s_only = ((1.5_f64.powi(2) - 1.0) / (1.5_f64.powi(2) + 1.0)).powi(2) / 2.0;
+    assert!((reflectance(1.0, &[], 1.5, cos, 0.55) - s_only).abs() < 1e-12);
+    // Reversible: the same share from either side, with the films in the order that the light meets them.
+    let stack = [
+        Layer {
+            index: 1.38,
+            thickness_um: 0.09,
+        },
+        Layer {
+            index: 2.1,
+            thickness_um: 0.05,
+        },
+    ];
+    let back: Vec<Layer> = stack.iter().rev().copied().collect();
+    let cos_in: f64 = 0.8;
+    let cos_out = (1.0 - (1.0 - cos_in * cos_in) / (1.6 * 1.6)).sqrt();
+    let there = reflectance(1.0, &stack, 1.6, cos_in, 0.5);
+    assert!((there - reflectance(1.6, &back, 1.0, cos_out, 0.5)).abs() < 1e-12);
+    assert_eq!(reflectance(1.5, &[], 1.0, 0.5, 0.55), 1.0, "total reflection");
+}
+
+#[test]
+fn files_of_every_format_give_the_same_lens() {
+    let folder = tempfile::tempdir().unwrap();
+    let triplet = lens("triplet");
+    let toml = folder.path().join("a.toml");
+    std::fs::write(&toml, to_toml(&triplet)).unwrap();
+    let zemax: String = "UNIT MM X W X CM MR CPMM\nSURF 0\n  TYPE STANDARD\n  CURV 0.0 0\n  DISZ INFINITY\n".to_owned()
+        + &triplet
+            .surfaces
+            .iter()
+            .enumerate()
+            .map(|(k, surface)| {
+                let curvature = if surface.radius_mm == 0.0 { 0.0 } else { surface.radius_mm.recip() };
+                let index = surface.glass.index(D_LINE_UM);
+                let glass = if index > 1.0 {
+                    format!("  GLAS ___BLANK 1 0 {index} {} 0\n", surface.glass.abbe_number())
+                } else {
+                    String::new()
+                };
+                let stop = if k == triplet.stop { "  STOP\n" } else { "" };
+                format!(
+                    "SURF {}\n{stop}  TYPE STANDARD\n  CURV {curvature:e} 0 0\n{glass}  DISZ {}\n  DIAM {} 1 0\n",
+                    k + 1,
+                    surface.thickness_mm,
+                    surface.semi_diameter_mm.unwrap()
+                )
+            })
+            .collect::<String>()
+        + "SURF 8\n  TYPE STANDARD\n  CURV 0.0 0\n  DISZ 0\n";
+    let utf16: Vec<u8> = [0xff, 0xfe]
+        .into_iter()
+        .chain(zemax.encode_utf16().flat_map(u16::to_le_bytes))
+        .collect();
+    let zmx = folder.path().join("a.zmx");
+    std::fs::write(&zmx, utf16).unwrap();
+    let sequence: String = "RDM;LEN\nTITLE 'a'\nDIM M\nSO 0.0 1e11\n".to_owned()
+        + &triplet
+            .surfaces
+            .iter()
+            .enumerate()
+            .map(|(k, surface)| {
+                let index = surface.glass.index(D_LINE_UM);
+                let glass = if index > 1.0 {
+                    format!("{index}:{}", surface.glass.abbe_number())
+                } else {
+                    String::new()
+                };
+                format!(
+                    "S {} {} {glass}\n{}  CIR {}\n",
+                    surface.radius_mm,
+                    surface.thickness_mm,
+                    if k == triplet.stop { "  STO\n" } else { "" },
+                    surface.semi_diameter_mm.unwrap()
+                )
+            })
+            .collect::<String>()
+        + "SI 0 0\n";
+    let seq = folder.path().join("a.seq");
+    std::fs::write(&seq, sequence).unwrap();
+    let expected = Paraxial::new(&triplet, 0.48, None);
+    for path in [toml, zmx, seq] {
+        let read = open(&path.display().to_string()).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(read.stop, triplet.stop, "{}", path.display());
+        let paraxial = Paraxial::new(&read, 0.48, None);
+        assert!(
+            (paraxial.efl_mm / expected.efl_mm - 1.0).abs() < 1e-9,
+            "{}",
+            path.display()
+        );
+        assert!(
+            (paraxial.bfd_mm / expected.bfd_mm - 1.0).abs() < 1e-9,
+            "{}",
+            path.display()
+        );
+    }
+}
+
+/// A conic's focus is without aberration: one hyperbolic surface images a beam inside glass to one point.
+#[test]
+fn a_plano_hyperbolic_lens_has_no_spherical_aberration() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("asphere.toml");
+    let n: f64 = 1.5;
+    // A collimated beam inside glass leaves through a hyperboloid with conic -n².
+    let table = |conic: f64, aspheric: &str| {
+        format!(
+            "name = \"a\"\nsurfaces = [\n{{ stop = true, thickness = 5.0, semi_diameter = 10.0 }},\n\
+             {{ thickness = 10.0, n_d = {n}, semi_diameter = 10.0 }},\n\
+             {{ radius = -25.0, thickness = 50.0, conic = {conic}, aspheric = [{aspheric}], semi_diameter = 10.0 }},\n]\n"
+        )
+    };
+    let spread = |text: String| {
+        std::fs::write(&file, text).unwrap();
+        let lens = open(&file.display().to_string()).unwrap();
+        let paraxial = Paraxial::new(&lens, D_LINE_UM, None);
+        let tracer = Tracer::new(&lens, D_LINE_UM, paraxial.sensor_gap_mm());
+        (1..=9)
+            .map(|x| {
+                let ray = tracer
+                    .trace(None, DVec2::new(f64::from(x), 0.0), DVec3::Z)
+                    .unwrap();
+                ray.sensor_mm.x.abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    assert!(spread(table(-n * n, "")) < 1e-9, "{}", spread(table(-n * n, "")));
+    assert!(spread(table(0.0, "")) > 0.1, "a sphere has it");
+    // The same hyperboloid as a sphere and the difference of the two sags as even powers, by Newton's steps.
+    let (c, k) = (-1.0 / 25.0, -n * n);
+    let term = |order: i32, k: f64| {
+        // Series of the conic's sag: c r²/2 Σ binomials; coefficient of r^(2m).
+        let mut coefficient = 0.5 * c;
+        for m in 1..order {
+            coefficient *= (1.0 + k) * c * c * f64::from(2 * m - 1) / f64::from(2 * (m + 1));
+        }
+        coefficient
+    };
+    let terms: Vec<String> = (1..=12)
+        .map(|order| format!("{:e}", term(order, k) - term(order, 0.0)))
+        .collect();
+    assert!(spread(table(0.0, &terms.join(", "))) < 1e-7);
+}
+
+#[test]
+fn unfit_files_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        ("empty.toml", ""),
+        (
+            "nostop.toml",
+            "name = \"a\"\nsurfaces = [{ thickness = 1.0 }, { thickness = 2.0 }]\n",
+        ),
+        (
+            "nan.toml",
+            "name = \"a\"\nsurfaces = [{ stop = true, thickness = nan }, { thickness = 2.0 }]\n",
+        ),
+        ("words.dat", "one two three four\n"),
+        ("short.zmx", "SURF 0\n"),
+        ("short.seq", "S 1 2\n"),
+        ("odd.csv", "kind,radius_mm\nlens,abc\n"),
+        ("what.xyz", "1 2 3 4\n"),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let error = open(&path.display().to_string()).expect_err(name).to_string();
+        assert!(error.contains(name) || error.starts_with("a:"), "{error}");
+    }
+    let unknown = open("helier").unwrap_err().to_string();
+    assert!(unknown.contains("heliar"), "{unknown}");
+    assert!(!ghosts(&lens("heliar")).is_empty());
+}
