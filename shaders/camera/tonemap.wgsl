@@ -5,13 +5,15 @@
 struct Exposure {
     // Factor from summed radiance to the display's linear 0..1.
     scale: f32,
-    padding_a: f32,
+    // Factor of the flare, which is no sum.
+    flare_scale: f32,
     padding_b: f32,
     padding_c: f32,
 }
 
 @group(0) @binding(0) var sum: texture_2d<f32>;
 @group(0) @binding(1) var<uniform> exposure: Exposure;
+@group(0) @binding(2) var flare: texture_2d<f32>;
 
 const START_COMPRESSION: f32 = 0.76;
 const DESATURATION: f32 = 0.15;
@@ -28,6 +30,7 @@ fn pbr_neutral(colour: vec3<f32>) -> vec3<f32> {
 
 @fragment
 fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let colour = textureLoad(sum, vec2<i32>(position.xy), 0).rgb * exposure.scale;
+    let pixel = vec2<i32>(position.xy);
+    let colour = textureLoad(sum, pixel, 0).rgb * exposure.scale + textureLoad(flare, pixel, 0).rgb * exposure.flare_scale;
     return vec4<f32>(pbr_neutral(colour), 1.0);
 }

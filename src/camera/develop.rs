@@ -10,6 +10,8 @@ pub struct Develop {
     accumulate_layout: wgpu::BindGroupLayout,
     tonemap_layout: wgpu::BindGroupLayout,
     sums: [Target; 2],
+    /// Radiance that the lens adds; black until something draws on it.
+    pub flare: Target,
     /// The picture, RGBA sRGB.
     pub picture: Target,
 }
@@ -31,6 +33,9 @@ fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
 }
 
 impl Develop {
+    /// Format of `flare`.
+    pub const FLARE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
     /// For pictures of `size` pixels.
     pub fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
         let layout = |entries: &[wgpu::BindGroupLayoutEntry]| {
@@ -48,7 +53,7 @@ impl Develop {
             },
             count: None,
         };
-        let tonemap_layout = layout(&[texture_entry(0), exposure_entry]);
+        let tonemap_layout = layout(&[texture_entry(0), exposure_entry, texture_entry(2)]);
         let pipeline = |source, layout, format| {
             let module = shader_module(gpu, source);
             fullscreen_pipeline(gpu, &module, &[Some(layout)], &[color_target(format)], &[])
@@ -62,6 +67,7 @@ impl Develop {
                 Target::new(gpu, "sum 0", size, SUM),
                 Target::new(gpu, "sum 1", size, SUM),
             ],
+            flare: Target::new(gpu, "flare", size, Self::FLARE),
             picture: Target::new(gpu, "picture", size, PICTURE),
         }
     }
@@ -105,7 +111,7 @@ impl Develop {
     /// Exposes and tone-maps the mean of `samples` samples.
     pub fn encode_picture(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, samples: u32, exposure: f32) {
         let sum = &self.sums[(samples as usize + 1) % 2];
-        let scale = uniform_buffer(gpu, "exposure", &[exposure / samples as f32, 0.0, 0.0, 0.0]);
+        let scale = uniform_buffer(gpu, "exposure", &[exposure / samples as f32, exposure, 0.0, 0.0]);
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("tonemap"),
             layout: &self.tonemap_layout,
@@ -117,6 +123,10 @@ impl Develop {
                 wgpu::BindGroupEntry {
                     binding: 1,
                     resource: scale.as_entire_binding(),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::TextureView(&self.flare.view),
                 },
             ],
         });

@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! lens ─▶ path ─▶ paraxial ─┐
-//!               └▶ trace ───┴▶ diagram
-//! radiance ─▶ develop ─▶ picture
+//!               └▶ trace ───┴▶ diagram, flare
+//! radiance ─▶ flare ─▶ develop ─▶ picture
 //! ```
 
 mod develop;
 mod diagram;
+pub mod flare;
 pub mod lens;
 mod paraxial;
 mod path;

@@ -20,5 +20,11 @@ pub const TONEMAP: ShaderSource = ShaderSource {
     texts: &[text!("fullscreen.wgsl"), text!("camera/tonemap.wgsl")],
 };
 
+/// Ghosts.
+pub const FLARE: ShaderSource = ShaderSource {
+    name: "camera/flare.wgsl",
+    texts: &[text!("camera/flare.wgsl")],
+};
+
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 2] = [ACCUMULATE, TONEMAP];
+pub const ALL: [ShaderSource; 3] = [ACCUMULATE, TONEMAP, FLARE];

@@ -6,14 +6,16 @@
 
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
-use super::lens::{Lens, Surface, reflectance};
-use super::path::{Ghost, path};
+use super::lens::{Layer, Lens, Surface, reflectance};
+use super::path::{Ghost, Step, path};
 
 /// A lens made ready for many rays of one wavelength.
 #[derive(Clone, Debug)]
 pub struct Tracer<'a> {
     lens: &'a Lens,
     indices: Vec<f64>,
+    /// Each surface's films as light meets them from the front, and from behind.
+    films: Vec<[Vec<Layer>; 2]>,
     wavelength_um: f64,
     sensor_gap_mm: f64,
 }
@@ -52,6 +54,18 @@ impl<'a> Tracer<'a> {
         Self {
             lens,
             indices: lens.indices(wavelength_um),
+            films: lens
+                .surfaces
+                .iter()
+                .map(|surface| {
+                    let front: Vec<Layer> = surface
+                        .coating
+                        .as_ref()
+                        .map_or_else(Vec::new, |coating| coating.layers.clone());
+                    let behind = front.iter().rev().copied().collect();
+                    [front, behind]
+                })
+                .collect(),
             wavelength_um,
             sensor_gap_mm,
         }
@@ -114,7 +128,7 @@ impl<'a> Tracer<'a> {
                 (behind, front)
             };
             let normal = normal_at(surface, at);
-            let reflected = self.reflectance(surface, n1, n2, step.forward, normal.dot(d).abs());
+            let reflected = self.reflectance(step, n1, n2, normal.dot(d).abs());
             if step.reflects {
                 d -= 2.0 * normal.dot(d) * normal;
                 power *= reflected;
@@ -135,18 +149,12 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    fn reflectance(&self, surface: &Surface, n1: f64, n2: f64, forward: bool, cos: f64) -> f64 {
+    fn reflectance(&self, step: Step, n1: f64, n2: f64, cos: f64) -> f64 {
         if (n1 - n2).abs() < 1e-12 {
             return 0.0;
         }
-        match &surface.coating {
-            Some(coating) if forward => reflectance(n1, &coating.layers, n2, cos, self.wavelength_um),
-            Some(coating) => {
-                let layers: Vec<_> = coating.layers.iter().rev().copied().collect();
-                reflectance(n1, &layers, n2, cos, self.wavelength_um)
-            }
-            None => reflectance(n1, &[], n2, cos, self.wavelength_um),
-        }
+        let films = &self.films[step.surface][usize::from(!step.forward)];
+        reflectance(n1, films, n2, cos, self.wavelength_um)
     }
 }
 

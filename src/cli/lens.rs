@@ -10,7 +10,9 @@ use crate::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in, open, to_toml};
 use crate::camera::{
     Ghost, Paraxial, Tracer, beam_direction, crossings, ghosts, lens_diagram, single_crossing_ghosts,
 };
-use crate::output::write_drawing;
+use crate::camera::flare::{Aperture, FlareMode, FlareSource};
+use crate::gpu::Gpu;
+use crate::output::{auto_exposure, developed, flare_picture, write_drawing, write_png, write_radiance};
 
 /// What to do with lenses.
 #[derive(Debug, clap::Subcommand)]
@@ -47,6 +49,8 @@ pub enum LensCommand {
         #[arg(long)]
         out: PathBuf,
     },
+    /// A picture of the flare of the sun.
+    Flare(FlareArgs),
     /// All two-reflection ghosts with their matrices.
     Ghosts {
         /// A built-in name or a file.
@@ -78,6 +82,51 @@ pub enum LensCommand {
         #[arg(long)]
         json: bool,
     },
+}
+
+/// Flags of `lens flare`.
+#[derive(Debug, clap::Args)]
+pub struct FlareArgs {
+    /// A built-in name or a file.
+    lens: String,
+    /// The sun: degrees from the axis, and degrees from the right towards the top of the picture.
+    #[arg(long, value_parser = millimetres, allow_hyphen_values = true)]
+    angle: DVec2,
+    /// The f-number.
+    #[arg(long, value_parser = f_number)]
+    f_number: f64,
+    /// How ghosts are made.
+    #[arg(long, value_enum, default_value = "paraxial")]
+    mode: FlareMode,
+    /// Draw this ghost alone: I,J.
+    #[arg(long, value_parser = pair)]
+    ghost: Option<[usize; 2]>,
+    /// Wavelengths: 3, or more for colour fringes.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(3..=64))]
+    wavelengths: u32,
+    /// Rays along a side of a traced ghost's grid.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1024))]
+    rays: u32,
+    /// Blades of the iris; fewer than 3 are a circle.
+    #[arg(long, default_value_t = 8)]
+    blades: u32,
+    /// Picture size, pixels.
+    #[arg(long, default_value = "960x640", value_parser = super::render::size)]
+    size: [u32; 2],
+    /// The picture to write. Its exposure is that of the paraxial flare, whatever the mode.
+    #[arg(long)]
+    out: PathBuf,
+    /// Linear radiance for a sun of irradiance 1 (f32 TIFF).
+    #[arg(long)]
+    linear: Option<PathBuf>,
+}
+
+/// An f-number.
+pub fn f_number(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (0.5..=256.0).contains(&number) => Ok(number),
+        _ => Err("give an f-number between 0.5 and 256".to_owned()),
+    }
 }
 
 fn pair(text: &str) -> Result<[usize; 2], String> {
@@ -114,6 +163,7 @@ pub fn run(command: LensCommand) -> Result<(), CommandError> {
             write_drawing(&out, &svg)?;
             Ok(())
         }
+        LensCommand::Flare(args) => flare(&args),
         LensCommand::Ghosts { lens, json } => list_ghosts(&open(&lens)?, json),
         LensCommand::Trace {
             lens,
@@ -234,6 +284,48 @@ fn show(lens: &Lens, json: bool, toml: bool) -> Result<(), CommandError> {
             remarks.join(", ")
         );
     }
+    Ok(())
+}
+
+fn flare(args: &FlareArgs) -> Result<(), CommandError> {
+    let lens = open(&args.lens)?;
+    let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
+    if !(args.angle.x.abs() < 90.0) {
+        return Err(CommandError::Argument(format!(
+            "--angle {}: give degrees between -90 and 90 from the axis",
+            args.angle.x
+        )));
+    }
+    let gpu = Gpu::open().map_err(crate::output::RenderError::from)?;
+    let source = FlareSource {
+        angle: args.angle.x.to_radians(),
+        turn: args.angle.y.to_radians(),
+        irradiance: [1.0; 3],
+        f_number: args.f_number,
+        wavelengths: args.wavelengths as usize,
+        rays: args.rays as usize,
+    };
+    let aperture = Aperture {
+        blades: args.blades,
+        ..Aperture::default()
+    };
+    let draw = |mode| flare_picture(&gpu, &lens, &source, mode, ghost, &aperture, args.size);
+    let linear = draw(FlareMode::Paraxial)?;
+    let exposure = auto_exposure(&linear.radiance);
+    let picture = match args.mode {
+        FlareMode::Paraxial => linear,
+        mode => draw(mode)?,
+    };
+    write_png(&args.out, args.size, &developed(&picture.radiance, exposure))?;
+    if let Some(path) = &args.linear {
+        write_radiance(path, args.size, &picture.radiance)?;
+    }
+    say!(
+        "{} triangles, {:.1} ms to make, {} ms to draw",
+        picture.triangles,
+        picture.mesh_ms,
+        picture.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.2}"))
+    );
     Ok(())
 }
 

@@ -6,8 +6,9 @@ use glam::DVec3;
 
 use super::CommandError;
 use crate::city::City;
-use crate::output::{PictureRequest, Renderer, write_depth, write_ids, write_png};
-use crate::relief::{Light, ReliefMode};
+use crate::output::{LensRequest, PictureRequest, Renderer, write_depth, write_ids, write_png};
+use crate::camera::flare::{Aperture, FlareMode};
+use crate::relief::{CpuMap, Light, ReliefMode, sun_visibility};
 use crate::scene::TerrainMesh;
 use crate::space::{Place, View, sun_direction_in_world, sun_from_azimuth_altitude};
 
@@ -40,6 +41,18 @@ pub struct RenderArgs {
     /// Samples a pixel: anti-aliasing, soft shadows and sky light.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4096))]
     samples: u32,
+    /// Take the picture through a lens, with the sun's flare: a built-in name (`rilievo lens list`) or a file.
+    #[arg(long)]
+    lens: Option<String>,
+    /// The lens's f-number.
+    #[arg(long, default_value_t = 8.0, value_parser = super::lens::f_number, requires = "lens")]
+    f_number: f64,
+    /// Blades of its iris; fewer than 3 are a circle.
+    #[arg(long, default_value_t = 8, requires = "lens")]
+    blades: u32,
+    /// How its ghosts are made.
+    #[arg(long, value_enum, default_value = "blended", requires = "lens")]
+    flare: FlareMode,
     /// The picture to write.
     #[arg(long)]
     out: PathBuf,
@@ -109,7 +122,26 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         TerrainMesh::Tin
     };
     let renderer = Renderer::open(&city, args.relief, mesh)?;
-    let picture = renderer.picture(&PictureRequest {
+    let lens = args.lens.as_deref().map(crate::camera::lens::open).transpose()?;
+    let sun_visibility = match &lens {
+        Some(_) => {
+            let map = CpuMap::new(&city, renderer.resident.highest_roof);
+            sun_visibility(&city, &map, args.eye, light.to_sun)?
+        }
+        None => 0.0,
+    };
+    let through = lens.as_ref().map(|lens| LensRequest {
+        lens,
+        f_number: args.f_number,
+        aperture: Aperture {
+            blades: args.blades,
+            ..Aperture::default()
+        },
+        mode: args.flare,
+        wavelengths: 7,
+        sun_visibility,
+    });
+    let request = PictureRequest {
         view: View {
             eye: args.eye,
             look: args.look,
@@ -119,7 +151,8 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         light,
         mode: args.relief,
         samples: args.samples,
-    })?;
+    };
+    let picture = renderer.picture_through(&request, through.as_ref())?;
     write_png(&args.out, args.size, &picture.rgba)?;
     if let Some(path) = &args.depth {
         write_depth(path, args.size, &picture.depth)?;

@@ -46,6 +46,19 @@ impl Target {
         })
     }
 
+    /// The attachment that draws over what this target holds.
+    pub fn kept(&self) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+        Some(wgpu::RenderPassColorAttachment {
+            view: &self.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            },
+        })
+    }
+
     /// The depth attachment, cleared to the far end of reversed depth.
     pub fn cleared_depth(&self) -> Option<wgpu::RenderPassDepthStencilAttachment<'_>> {
         Some(wgpu::RenderPassDepthStencilAttachment {

@@ -68,6 +68,11 @@ where
     writer.flush().map_err(|why| error(why.to_string()))
 }
 
+/// Writes linear radiance, RGB, rows from the top.
+pub fn write_radiance(path: &Path, size: [u32; 2], radiance: &[[f32; 3]]) -> Result<(), OutputError> {
+    write_tiff::<colortype::RGB32Float>(path, size, radiance.as_flattened())
+}
+
 /// Writes a drawing as it is (.svg) or drawn out (.png), by the path's ending.
 pub fn write_drawing(path: &Path, svg: &str) -> Result<(), OutputError> {
     use resvg::{tiny_skia, usvg};

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! for every sample:  ground ─▶ relief ─▶ shade ─▶ sum
-//! then:              sum ─▶ exposure, tone mapping ─▶ picture
+//! then:              sum + flare of the lens ─▶ exposure, tone mapping ─▶ picture
 //! ```
 //! Depth and ids are those of the pixel centre, whatever the number of samples.
 
@@ -10,9 +10,11 @@ use glam::DVec2;
 use thiserror::Error;
 
 use super::Renderer;
-use crate::camera::Develop;
-use crate::gpu::{GpuError, PassTimer, read_texture};
-use crate::relief::{Light, ReliefMode, ReliefPass, ReliefTargets};
+use crate::camera::flare::{Aperture, FlareMode, FlarePass, FlareSource, flare_mesh};
+use crate::camera::lens::{D_LINE_UM, Lens};
+use crate::camera::{Develop, Paraxial};
+use crate::gpu::{Gpu, GpuError, PassTimer, read_texture};
+use crate::relief::{sun_irradiance, Light, ReliefMode, ReliefPass, ReliefTargets};
 use crate::scene::SceneError;
 use crate::space::View;
 
@@ -45,6 +47,22 @@ pub struct PictureRequest {
     pub samples: u32,
 }
 
+/// The lens that a picture is taken through.
+pub struct LensRequest<'a> {
+    /// Its prescription. The sensor is taken as large as the view needs at its focal length.
+    pub lens: &'a Lens,
+    /// The f-number.
+    pub f_number: f64,
+    /// The iris.
+    pub aperture: Aperture,
+    /// How ghosts are made.
+    pub mode: FlareMode,
+    /// Wavelengths of the ghosts.
+    pub wavelengths: usize,
+    /// Visible share of the sun, 0 to 1.
+    pub sun_visibility: f64,
+}
+
 /// A picture in memory, rows from the top.
 pub struct Picture {
     /// 8-bit sRGB.
@@ -66,6 +84,15 @@ fn jitter(index: u32) -> DVec2 {
 impl Renderer {
     /// Draws one picture.
     pub fn picture(&self, request: &PictureRequest) -> Result<Picture, RenderError> {
+        self.picture_through(request, None)
+    }
+
+    /// Draws one picture, through a lens if one is given.
+    pub fn picture_through(
+        &self,
+        request: &PictureRequest,
+        lens: Option<&LensRequest<'_>>,
+    ) -> Result<Picture, RenderError> {
         let targets = ReliefTargets::new(&self.gpu, request.size);
         let develop = Develop::new(&self.gpu, request.size);
         let timer = PassTimer::new(&self.gpu, ReliefPass::PASSES);
@@ -98,6 +125,9 @@ impl Renderer {
             }
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Some(lens) = lens {
+            add_flare(&self.gpu, &mut encoder, &develop, request, lens);
+        }
         develop.encode_picture(&self.gpu, &mut encoder, request.samples, 1.0);
         self.gpu.queue.submit([encoder.finish()]);
         let (mut depth, ids) = centre.unwrap_or_default();
@@ -113,4 +143,45 @@ impl Renderer {
             pass_ms: timer.milliseconds(&self.gpu)?,
         })
     }
+}
+
+/// Rays along a side of a traced ghost's grid: finer than the eye tells on a screen.
+const GHOST_RAYS: usize = 40;
+
+/// Draws the sun's ghosts where the sun stands before the lens.
+fn add_flare(
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    develop: &Develop,
+    request: &PictureRequest,
+    lens: &LensRequest<'_>,
+) {
+    let projection = request.view.projection(request.size);
+    let to_sun = request.light.to_sun;
+    let ahead = to_sun.dot(projection.forward);
+    if ahead <= 0.0 || lens.sun_visibility <= 0.0 {
+        return;
+    }
+    let aside = DVec2::new(to_sun.dot(projection.right), to_sun.dot(projection.up));
+    let source = FlareSource {
+        angle: aside.length().atan2(ahead),
+        turn: aside.y.atan2(aside.x),
+        irradiance: sun_irradiance(to_sun),
+        f_number: lens.f_number,
+        wavelengths: lens.wavelengths,
+        rays: GHOST_RAYS,
+    };
+    let focal_mm = Paraxial::new(lens.lens, D_LINE_UM, None).efl_mm.abs();
+    let half_height = focal_mm * projection.tan_half_fov_y;
+    let [width, height] = request.size.map(f64::from);
+    let pass = FlarePass::new(gpu, Develop::FLARE, &lens.aperture);
+    pass.encode(
+        gpu,
+        encoder,
+        &develop.flare,
+        &flare_mesh(lens.lens, &source, lens.mode, None),
+        [half_height * width / height, half_height],
+        lens.sun_visibility,
+        None,
+    );
 }

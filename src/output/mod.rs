@@ -1,9 +1,11 @@
 //! Pictures out: the ordered list of passes of a frame, and the files.
 
 mod files;
+mod flare;
 mod frame;
 mod renderer;
 
-pub use files::{OutputError, write_depth, write_drawing, write_ids, write_png};
-pub use frame::{Picture, PictureRequest, RenderError};
+pub use files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};
+pub use flare::{FlarePicture, auto_exposure, developed, flare_picture};
+pub use frame::{LensRequest, Picture, PictureRequest, RenderError};
 pub use renderer::Renderer;

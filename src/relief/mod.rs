@@ -17,6 +17,7 @@ mod pass;
 mod polygons;
 mod shade;
 mod shaders;
+mod sun;
 mod targets;
 
 pub use bindings::MapBindings;
@@ -26,4 +27,5 @@ pub use march::{Hit, MapTile, Ray, visit_cell, walk_city, walk_tile};
 pub use mesh::{BuildingMesh, MeshVertex, building_mesh};
 pub use pass::{ReliefMode, ReliefPass};
 pub use shaders::ALL as SHADERS;
+pub use sun::{SUN_RADIUS, sun_irradiance, sun_visibility};
 pub use targets::ReliefTargets;

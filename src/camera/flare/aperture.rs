@@ -1,0 +1,51 @@
+//! The shape of the opening: blades, rounding, rotation.
+
+use glam::DVec2;
+
+/// An iris.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aperture {
+    /// Blades; fewer than 3 are a circle.
+    pub blades: u32,
+    /// 0 = straight edges, 1 = a circle.
+    pub rounding: f64,
+    /// Turn of the first corner from +x, radians.
+    pub rotation: f64,
+}
+
+impl Default for Aperture {
+    fn default() -> Self {
+        Self {
+            blades: 8,
+            rounding: 0.15,
+            rotation: 0.2,
+        }
+    }
+}
+
+impl Aperture {
+    /// Distance from the middle to the edge in the direction of `at`, as a share of the circle through the corners.
+    pub fn edge(&self, at: DVec2) -> f64 {
+        if self.blades < 3 {
+            return 1.0;
+        }
+        let half_sector = std::f64::consts::PI / f64::from(self.blades);
+        let angle = (at.y.atan2(at.x) - self.rotation).rem_euclid(2.0 * half_sector) - half_sector;
+        let straight = half_sector.cos() / angle.cos();
+        straight + (1.0 - straight) * self.rounding
+    }
+
+    /// Light that passes, 0 or 255 with an edge of one texel, row by row from -y; the image spans `reach` times the
+    /// stop's radius to each side.
+    pub fn mask(&self, side: u32, reach: f64) -> Vec<u8> {
+        let texel = 2.0 * reach / f64::from(side);
+        (0..side * side)
+            .map(|k| {
+                let place = |index: u32| (f64::from(index) + 0.5) * texel - reach;
+                let at = DVec2::new(place(k % side), place(k / side));
+                let inside = (self.edge(at) - at.length()) / texel + 0.5;
+                (inside.clamp(0.0, 1.0) * 255.0).round() as u8
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,200 @@
+//! Adds a flare to a picture.
+
+use bytemuck::{Pod, Zeroable};
+use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
+
+use super::{Aperture, FlareVertex};
+use crate::camera::shaders::FLARE;
+use crate::gpu::{Gpu, Target, shader_module, uniform_buffer};
+
+/// Layout of `FlareFrame` in `shaders/camera/flare.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct FlareFrame {
+    half_mm: [f32; 2],
+    mask_reach: f32,
+    scale: f32,
+}
+
+/// Side of the aperture's mask, texels.
+const MASK_SIDE: u32 = 512;
+/// Half the side of the mask in radii of the stop: beyond it no light passes.
+const MASK_REACH: f64 = 1.1;
+
+/// The pipeline with an aperture.
+pub struct FlarePass {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    mask: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+}
+
+impl FlarePass {
+    /// For a target's format and an aperture.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat, aperture: &Aperture) -> Self {
+        let module = shader_module(gpu, &FLARE);
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty,
+            count: None,
+        };
+        let layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("flare"),
+                entries: &[
+                    entry(
+                        0,
+                        wgpu::BindingType::Buffer {
+                            ty: wgpu::BufferBindingType::Uniform,
+                            has_dynamic_offset: false,
+                            min_binding_size: None,
+                        },
+                    ),
+                    entry(
+                        1,
+                        wgpu::BindingType::Texture {
+                            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+                            view_dimension: wgpu::TextureViewDimension::D2,
+                            multisampled: false,
+                        },
+                    ),
+                    entry(2, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+                ],
+            });
+        let pipeline_layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("flare"),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
+        let attributes =
+            wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3];
+        let add = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::One,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let pipeline = gpu
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("flare"),
+                layout: Some(&pipeline_layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("vs"),
+                    compilation_options: Default::default(),
+                    buffers: &[Some(wgpu::VertexBufferLayout {
+                        array_stride: size_of::<FlareVertex>() as u64,
+                        step_mode: wgpu::VertexStepMode::Vertex,
+                        attributes: &attributes,
+                    })],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("fs"),
+                    compilation_options: Default::default(),
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format,
+                        blend: Some(wgpu::BlendState { color: add, alpha: add }),
+                        write_mask: wgpu::ColorWrites::ALL,
+                    })],
+                }),
+                multiview_mask: None,
+                cache: None,
+            });
+        let mask = gpu.device.create_texture_with_data(
+            &gpu.queue,
+            &wgpu::TextureDescriptor {
+                label: Some("aperture"),
+                size: wgpu::Extent3d {
+                    width: MASK_SIDE,
+                    height: MASK_SIDE,
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::R8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            },
+            TextureDataOrder::LayerMajor,
+            &aperture.mask(MASK_SIDE, MASK_REACH),
+        );
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("aperture"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        Self {
+            pipeline,
+            layout,
+            mask: mask.create_view(&wgpu::TextureViewDescriptor::default()),
+            sampler,
+        }
+    }
+
+    /// Adds triangles to what `target` holds. The picture spans `half_mm` millimetres of the sensor to each side; `scale`
+    /// is the visible share of the source.
+    pub fn encode(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &Target,
+        vertices: &[FlareVertex],
+        half_mm: [f64; 2],
+        scale: f64,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let frame = FlareFrame {
+            half_mm: half_mm.map(|side| side as f32),
+            mask_reach: MASK_REACH as f32,
+            scale: scale as f32,
+        };
+        let uniforms = uniform_buffer(gpu, "flare", &frame);
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("flare"),
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: uniforms.as_entire_binding(),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::TextureView(&self.mask),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::Sampler(&self.sampler),
+                },
+            ],
+        });
+        let buffer = (!vertices.is_empty()).then(|| {
+            gpu.device.create_buffer_init(&BufferInitDescriptor {
+                label: Some("ghosts"),
+                contents: bytemuck::cast_slice(vertices),
+                usage: wgpu::BufferUsages::VERTEX,
+            })
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("flare"),
+            color_attachments: &[target.kept()],
+            timestamp_writes: timestamps,
+            ..Default::default()
+        });
+        if let Some(buffer) = &buffer {
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..vertices.len() as u32, 0..1);
+        }
+    }
+}
