@@ -26,5 +26,11 @@ pub const FLARE: ShaderSource = ShaderSource {
     texts: &[text!("camera/flare.wgsl")],
 };
 
+/// The sun's image with its starburst.
+pub const STARBURST: ShaderSource = ShaderSource {
+    name: "camera/starburst.wgsl",
+    texts: &[text!("camera/starburst.wgsl")],
+};
+
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 3] = [ACCUMULATE, TONEMAP, FLARE];
+pub const ALL: [ShaderSource; 4] = [ACCUMULATE, TONEMAP, FLARE, STARBURST];

@@ -10,11 +10,11 @@ use glam::DVec2;
 use thiserror::Error;
 
 use super::Renderer;
-use crate::camera::flare::{Aperture, FlareMode, FlarePass, FlareSource, flare_mesh};
+use crate::camera::flare::{Aperture, FlareMode, FlarePass, FlareSource, Star, encode_starburst, flare_mesh, spectrum};
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::{Develop, Paraxial};
 use crate::gpu::{Gpu, GpuError, PassTimer, read_texture};
-use crate::relief::{sun_irradiance, Light, ReliefMode, ReliefPass, ReliefTargets};
+use crate::relief::{SUN_RADIUS, sun_irradiance, Light, ReliefMode, ReliefPass, ReliefTargets};
 use crate::scene::SceneError;
 use crate::space::View;
 
@@ -148,7 +148,10 @@ impl Renderer {
 /// Rays along a side of a traced ghost's grid: finer than the eye tells on a screen.
 const GHOST_RAYS: usize = 40;
 
-/// Draws the sun's ghosts where the sun stands before the lens.
+/// Wavelengths of the starburst.
+const STAR_WAVELENGTHS: usize = 15;
+
+/// Draws the sun's image with its starburst, and its ghosts, where the sun stands before the lens.
 fn add_flare(
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
@@ -175,12 +178,23 @@ fn add_flare(
     let half_height = focal_mm * projection.tan_half_fov_y;
     let [width, height] = request.size.map(f64::from);
     let pass = FlarePass::new(gpu, Develop::FLARE, &lens.aperture);
+    let half_mm = [half_height * width / height, half_height];
+    let image_mm = aside / ahead * focal_mm;
+    let star = Star {
+        at_mm: image_mm.to_array(),
+        disc_mm: SUN_RADIUS * focal_mm,
+        focal_mm,
+        f_number: lens.f_number,
+        irradiance: source.irradiance.map(|channel| channel * lens.sun_visibility),
+    };
+    let colours = spectrum(STAR_WAVELENGTHS);
+    encode_starburst(gpu, encoder, &develop.flare, &star, &lens.aperture, &colours, half_mm);
     pass.encode(
         gpu,
         encoder,
         &develop.flare,
         &flare_mesh(lens.lens, &source, lens.mode, None),
-        [half_height * width / height, half_height],
+        half_mm,
         lens.sun_visibility,
         None,
     );

@@ -17,7 +17,7 @@ impl Default for Aperture {
     fn default() -> Self {
         Self {
             blades: 8,
-            rounding: 0.15,
+            rounding: 0.04,
             rotation: 0.2,
         }
     }

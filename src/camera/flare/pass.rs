@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 
-use super::{Aperture, FlareVertex};
+use super::{Aperture, FlareVertex, added_pipeline, picture_group};
 use crate::camera::shaders::FLARE;
 use crate::gpu::{Gpu, Target, shader_module, uniform_buffer};
 
@@ -24,7 +24,6 @@ const MASK_REACH: f64 = 1.1;
 /// The pipeline with an aperture.
 pub struct FlarePass {
     pipeline: wgpu::RenderPipeline,
-    layout: wgpu::BindGroupLayout,
     mask: wgpu::TextureView,
     sampler: wgpu::Sampler,
 }
@@ -33,81 +32,14 @@ impl FlarePass {
     /// For a target's format and an aperture.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat, aperture: &Aperture) -> Self {
         let module = shader_module(gpu, &FLARE);
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-            ty,
-            count: None,
-        };
-        let layout = gpu
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("flare"),
-                entries: &[
-                    entry(
-                        0,
-                        wgpu::BindingType::Buffer {
-                            ty: wgpu::BufferBindingType::Uniform,
-                            has_dynamic_offset: false,
-                            min_binding_size: None,
-                        },
-                    ),
-                    entry(
-                        1,
-                        wgpu::BindingType::Texture {
-                            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-                            view_dimension: wgpu::TextureViewDimension::D2,
-                            multisampled: false,
-                        },
-                    ),
-                    entry(2, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
-                ],
-            });
-        let pipeline_layout = gpu
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("flare"),
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            });
         let attributes =
             wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3];
-        let add = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let pipeline = gpu
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("flare"),
-                layout: Some(&pipeline_layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vs"),
-                    compilation_options: Default::default(),
-                    buffers: &[Some(wgpu::VertexBufferLayout {
-                        array_stride: size_of::<FlareVertex>() as u64,
-                        step_mode: wgpu::VertexStepMode::Vertex,
-                        attributes: &attributes,
-                    })],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fs"),
-                    compilation_options: Default::default(),
-                    targets: &[Some(wgpu::ColorTargetState {
-                        format,
-                        blend: Some(wgpu::BlendState { color: add, alpha: add }),
-                        write_mask: wgpu::ColorWrites::ALL,
-                    })],
-                }),
-                multiview_mask: None,
-                cache: None,
-            });
+        let buffers = [Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<FlareVertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &attributes,
+        })];
+        let pipeline = added_pipeline(gpu, &module, format, &buffers, wgpu::PrimitiveTopology::TriangleList);
         let mask = gpu.device.create_texture_with_data(
             &gpu.queue,
             &wgpu::TextureDescriptor {
@@ -135,7 +67,6 @@ impl FlarePass {
         });
         Self {
             pipeline,
-            layout,
             mask: mask.create_view(&wgpu::TextureViewDescriptor::default()),
             sampler,
         }
@@ -159,24 +90,7 @@ impl FlarePass {
             scale: scale as f32,
         };
         let uniforms = uniform_buffer(gpu, "flare", &frame);
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("flare"),
-            layout: &self.layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: uniforms.as_entire_binding(),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(&self.mask),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 2,
-                    resource: wgpu::BindingResource::Sampler(&self.sampler),
-                },
-            ],
-        });
+        let group = picture_group(gpu, &self.pipeline, &uniforms, &self.mask, &self.sampler);
         let buffer = (!vertices.is_empty()).then(|| {
             gpu.device.create_buffer_init(&BufferInitDescriptor {
                 label: Some("ghosts"),
