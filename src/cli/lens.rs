@@ -6,11 +6,11 @@ use glam::{DMat2, DVec2};
 use serde_json::{Value, json};
 
 use super::CommandError;
+use crate::camera::flare::{Aperture, FlareMode, FlareSource};
 use crate::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in, open, to_toml};
 use crate::camera::{
     Ghost, Paraxial, Tracer, beam_direction, crossings, ghosts, lens_diagram, single_crossing_ghosts,
 };
-use crate::camera::flare::{Aperture, FlareMode, FlareSource};
 use crate::gpu::Gpu;
 use crate::output::{auto_exposure, developed, flare_picture, write_drawing, write_png, write_radiance};
 
@@ -107,6 +107,9 @@ pub struct FlareArgs {
     /// Rays along a side of a traced ghost's grid.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1024))]
     rays: u32,
+    /// Draw over the whole front of the lens, not the effective pupil alone: the same picture by more work.
+    #[arg(long)]
+    whole_entrance: bool,
     /// Blades of the iris; fewer than 3 are a circle.
     #[arg(long, default_value_t = 8)]
     blades: u32,
@@ -304,6 +307,7 @@ fn flare(args: &FlareArgs) -> Result<(), CommandError> {
         f_number: args.f_number,
         wavelengths: args.wavelengths as usize,
         rays: args.rays as usize,
+        whole_entrance: args.whole_entrance,
     };
     let aperture = Aperture {
         blades: args.blades,
@@ -321,8 +325,9 @@ fn flare(args: &FlareArgs) -> Result<(), CommandError> {
         write_radiance(path, args.size, &picture.radiance)?;
     }
     say!(
-        "{} triangles, {:.1} ms to make, {} ms to draw",
+        "{} triangles over {:.0} square millimetres of film, {:.1} ms to make, {} ms to draw",
         picture.triangles,
+        picture.area_mm2,
         picture.mesh_ms,
         picture.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.2}"))
     );

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use super::CommandError;
+use crate::camera::flare::{Aperture, FlareMode};
 use crate::city::City;
 use crate::output::{LensRequest, PictureRequest, Renderer, write_depth, write_ids, write_png};
-use crate::camera::flare::{Aperture, FlareMode};
 use crate::relief::{CpuMap, Light, ReliefMode, sun_visibility};
 use crate::scene::TerrainMesh;
 use crate::space::{Place, View, sun_direction_in_world, sun_from_azimuth_altitude};
@@ -50,6 +50,9 @@ pub struct RenderArgs {
     /// Blades of its iris; fewer than 3 are a circle.
     #[arg(long, default_value_t = 8, requires = "lens")]
     blades: u32,
+    /// Specks and scratches on its glass.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1000), requires = "lens")]
+    dirt: u32,
     /// How its ghosts are made.
     #[arg(long, value_enum, default_value = "blended", requires = "lens")]
     flare: FlareMode,
@@ -135,6 +138,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         f_number: args.f_number,
         aperture: Aperture {
             blades: args.blades,
+            dirt: args.dirt,
             ..Aperture::default()
         },
         mode: args.flare,

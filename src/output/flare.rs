@@ -2,7 +2,7 @@
 
 use super::RenderError;
 use crate::camera::Ghost;
-use crate::camera::flare::{Aperture, FlareMode, FlarePass, FlareSource, flare_mesh};
+use crate::camera::flare::{Aperture, FlareMode, FlarePass, FlareSource, FlareVertex, flare_mesh};
 use crate::camera::lens::Lens;
 use crate::gpu::{Gpu, PassTimer, Target, read_texture};
 
@@ -12,6 +12,8 @@ pub struct FlarePicture {
     pub radiance: Vec<[f32; 3]>,
     /// Triangles drawn.
     pub triangles: usize,
+    /// Area of all triangles that lies on the film's plane, square millimetres: the raster work, the film's edge apart.
+    pub area_mm2: f64,
     /// GPU milliseconds, where the device can time.
     pub gpu_ms: Option<f64>,
     /// Milliseconds to make the triangles on the CPU.
@@ -61,9 +63,15 @@ pub fn flare_picture(
             .map(|texel| [texel[0], texel[1], texel[2]].map(half::f16::to_f32))
             .collect(),
         triangles: vertices.len() / 3,
+        area_mm2: vertices.chunks_exact(3).map(triangle_area).sum(),
         gpu_ms,
         mesh_ms,
     })
+}
+
+fn triangle_area(corners: &[FlareVertex]) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(corners[k].sensor_mm).as_dvec2());
+    0.5 * (b - a).perp_dot(c - a).abs()
 }
 
 /// Factor that brings all but the brightest 0.5 % of the lit pixels below the display's white.

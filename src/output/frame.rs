@@ -10,11 +10,13 @@ use glam::DVec2;
 use thiserror::Error;
 
 use super::Renderer;
-use crate::camera::flare::{Aperture, FlareMode, FlarePass, FlareSource, Star, encode_starburst, flare_mesh, spectrum};
+use crate::camera::flare::{
+    Aperture, FlareMode, FlarePass, FlareSource, Star, encode_starburst, flare_mesh, spectrum,
+};
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::{Develop, Paraxial};
 use crate::gpu::{Gpu, GpuError, PassTimer, read_texture};
-use crate::relief::{SUN_RADIUS, sun_irradiance, Light, ReliefMode, ReliefPass, ReliefTargets};
+use crate::relief::{Light, ReliefMode, ReliefPass, ReliefTargets, SUN_RADIUS, sun_irradiance};
 use crate::scene::SceneError;
 use crate::space::View;
 
@@ -173,6 +175,7 @@ fn add_flare(
         f_number: lens.f_number,
         wavelengths: lens.wavelengths,
         rays: GHOST_RAYS,
+        whole_entrance: false,
     };
     let focal_mm = Paraxial::new(lens.lens, D_LINE_UM, None).efl_mm.abs();
     let half_height = focal_mm * projection.tan_half_fov_y;
@@ -188,7 +191,15 @@ fn add_flare(
         irradiance: source.irradiance.map(|channel| channel * lens.sun_visibility),
     };
     let colours = spectrum(STAR_WAVELENGTHS);
-    encode_starburst(gpu, encoder, &develop.flare, &star, &lens.aperture, &colours, half_mm);
+    encode_starburst(
+        gpu,
+        encoder,
+        &develop.flare,
+        &star,
+        &lens.aperture,
+        &colours,
+        half_mm,
+    );
     pass.encode(
         gpu,
         encoder,

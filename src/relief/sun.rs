@@ -73,10 +73,16 @@ impl Ground {
             if ahead < -grid.tile_m || aside > grid.tile_m + 0.02 * ahead.max(0.0) {
                 continue;
             }
-            let Some(terrain) = city.terrain(tile)? else { continue };
-            let Some([_, high]) = terrain.ground.range() else { continue };
+            let Some(terrain) = city.terrain(tile)? else {
+                continue;
+            };
+            let Some([_, high]) = terrain.ground.range() else {
+                continue;
+            };
             ground.top_m = ground.top_m.max(f64::from(high));
-            ground.tiles.push((origin.extend(f64::from(high)), terrain.ground));
+            ground
+                .tiles
+                .push((origin.extend(f64::from(high)), terrain.ground));
         }
         Ok(ground)
     }

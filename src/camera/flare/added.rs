@@ -35,7 +35,10 @@ pub fn added_pipeline(
                 compilation_options: Default::default(),
                 targets: &[Some(wgpu::ColorTargetState {
                     format,
-                    blend: Some(wgpu::BlendState { color: add, alpha: add }),
+                    blend: Some(wgpu::BlendState {
+                        color: add,
+                        alpha: add,
+                    }),
                     write_mask: wgpu::ColorWrites::ALL,
                 })],
             }),

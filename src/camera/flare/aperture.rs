@@ -11,6 +11,8 @@ pub struct Aperture {
     pub rounding: f64,
     /// Turn of the first corner from +x, radians.
     pub rotation: f64,
+    /// Specks and scratches on the glass; they show in the starburst.
+    pub dirt: u32,
 }
 
 impl Default for Aperture {
@@ -19,6 +21,7 @@ impl Default for Aperture {
             blades: 8,
             rounding: 0.04,
             rotation: 0.2,
+            dirt: 0,
         }
     }
 }

@@ -44,6 +44,8 @@ pub struct FlareSource {
     pub wavelengths: usize,
     /// Rays along a side of a traced grid.
     pub rays: usize,
+    /// Draw quads over the whole front of the lens, not its effective pupil alone: the same picture by more work.
+    pub whole_entrance: bool,
 }
 
 /// A corner of a ghost's triangle; layout of the vertex buffer of `shaders/camera/flare.wgsl`.
@@ -60,8 +62,9 @@ pub struct FlareVertex {
     pub radiance: [f32; 3],
 }
 
-/// Departure of a ghost from its linear image, as a share of the sensor's half diagonal, at an angle in radians: the largest
-/// distance between traced and paraxial rays that pass stop and barrel. None when no ray passes.
+/// Departure of a ghost from its linear image at an angle in radians: the largest distance between traced and paraxial rays
+/// that pass stop and barrel, as a share of the sensor's half diagonal; or, if that is more, the share of the rays that a
+/// barrel inside the lens holds. None when no ray passes.
 pub fn nonlinearity(lens: &Lens, ghost: Ghost, angle: f64, f_number: f64) -> Option<f64> {
     let paraxial = Paraxial::new(lens, D_LINE_UM, None);
     let tracer = Tracer::new(lens, D_LINE_UM, paraxial.sensor_gap_mm());
@@ -69,17 +72,23 @@ pub fn nonlinearity(lens: &Lens, ghost: Ghost, angle: f64, f_number: f64) -> Opt
     let half_diagonal = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
     let side = 13;
     let mut worst: Option<f64> = None;
+    let (mut passing, mut held) = (0_u32, 0_u32);
     for k in 0..side * side {
         let entry = linear.entrance(k % side, k / side, side);
+        let is_open = linear.stop(entry).length() <= linear.stop_mm && entry.length() <= linear.barrel_mm;
         let Some(ray) = tracer.trace(Some(ghost), entry, beam_direction(angle)) else {
+            held += u32::from(is_open);
             continue;
         };
+        held += u32::from(is_open && ray.relative_height > 1.0);
+        passing += u32::from(is_open);
         if ray.relative_height <= 1.0 && ray.stop_mm.length() <= linear.stop_mm {
             let off = (ray.sensor_mm - linear.sensor(entry)).length() / half_diagonal;
             worst = Some(worst.unwrap_or(0.0).max(off));
         }
     }
-    worst
+    let share = f64::from(held) / f64::from(passing.max(1));
+    worst.map(|off| off.max(share))
 }
 
 /// One ghost in one colour by its matrices.
@@ -156,7 +165,7 @@ fn barrel_radius(lens: &Lens, paraxial: &Paraxial) -> f64 {
 }
 
 /// Departure beyond which a ghost is traced in the blended mode, as a share of the sensor's half diagonal.
-const LINEAR_ENOUGH: f64 = 0.01;
+const LINEAR_ENOUGH: f64 = 0.004;
 
 /// Triangles of all ghosts that cross the stop once; `only` draws a single one.
 pub fn flare_mesh(
@@ -183,10 +192,8 @@ pub fn flare_mesh(
             let traced = match mode {
                 FlareMode::Paraxial => false,
                 FlareMode::Exact => true,
-                FlareMode::Blended => {
-                    nonlinearity(lens, ghost, source.angle, source.f_number)
-                        .is_none_or(|off| off > LINEAR_ENOUGH)
-                }
+                FlareMode::Blended => nonlinearity(lens, ghost, source.angle, source.f_number)
+                    .is_none_or(|off| off > LINEAR_ENOUGH),
             };
             if traced {
                 traced_ghost(lens, paraxial, *colour, source, ghost)
@@ -207,6 +214,9 @@ fn radiance(source: &FlareSource, colour: Wavelength, power: f64, areas: f64) ->
     [0, 1, 2].map(|channel| (source.irradiance[channel] * colour.rgb[channel] * scale) as f32)
 }
 
+/// Share of the way from a quad's middle to its side where a ray still passes the iris.
+const INNER: f64 = 0.6;
+
 /// The flare quad of a ghost.
 fn quad(
     lens: &Lens,
@@ -219,6 +229,11 @@ fn quad(
     if linear.is_shut() {
         return Vec::new();
     }
+    let corners = if source.whole_entrance {
+        [DVec2::ZERO, DVec2::splat(linear.barrel_mm)]
+    } else {
+        [linear.middle, linear.half]
+    };
     let tracer = Tracer::new(lens, colour.um, paraxial.sensor_gap_mm());
     // Losses at the true angles of the ray through the middle; of an axial one where that ray does not arrive.
     let middle = tracer.trace(Some(ghost), linear.middle, beam_direction(source.angle));
@@ -226,9 +241,22 @@ fn quad(
     let Some(power) = middle.or_else(axial).map(|ray| ray.power) else {
         return Vec::new();
     };
-    let radiance = radiance(source, colour, power, linear.f[0].powi(-2));
+    // Losses change over the quad linearly, by rays to either side that the iris still lets through.
+    let beside = |offset: DVec2| {
+        let inner = linear.middle + INNER * linear.half * offset;
+        tracer
+            .trace(Some(ghost), inner, beam_direction(source.angle))
+            .map_or(power, |ray| ray.power)
+    };
+    let slope = DVec2::new(
+        beside(DVec2::X) - beside(DVec2::NEG_X),
+        beside(DVec2::Y) - beside(DVec2::NEG_Y),
+    ) / (2.0 * INNER * linear.half);
     let corner = |column: usize, row: usize| {
-        let entry = linear.entrance(column, row, 2);
+        let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
+        let entry = corners[0] + corners[1] * side;
+        let there = power + slope.dot(entry - linear.middle);
+        let radiance = radiance(source, colour, there, linear.f[0].powi(-2));
         FlareVertex {
             sensor_mm: turned(linear.sensor(entry), source),
             stop: turned(linear.stop(entry) / -linear.stop_mm, source),
@@ -296,7 +324,10 @@ fn traced_ghost(
             };
             for corners in [[a, b, c], [a, c, d]] {
                 let nearest = |key: fn(&TracedRay, f64) -> f64| {
-                    corners.iter().map(|ray| key(ray, stop_mm)).fold(f64::INFINITY, f64::min)
+                    corners
+                        .iter()
+                        .map(|ray| key(ray, stop_mm))
+                        .fold(f64::INFINITY, f64::min)
                 };
                 if nearest(|ray, _| ray.relative_height) > 1.0
                     || nearest(|ray, stop_mm| ray.stop_mm.length() / stop_mm) > 1.5

@@ -39,7 +39,13 @@ impl FlarePass {
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &attributes,
         })];
-        let pipeline = added_pipeline(gpu, &module, format, &buffers, wgpu::PrimitiveTopology::TriangleList);
+        let pipeline = added_pipeline(
+            gpu,
+            &module,
+            format,
+            &buffers,
+            wgpu::PrimitiveTopology::TriangleList,
+        );
         let mask = gpu.device.create_texture_with_data(
             &gpu.queue,
             &wgpu::TextureDescriptor {

@@ -23,8 +23,6 @@ const MASK_SIDE: usize = 4096;
 const MASK_REACH: f64 = 2.0;
 /// Side of the pattern, texels.
 const PATTERN_SIDE: u32 = 1024;
-/// Specks and scratches on the glass.
-const DIRT: u32 = 24;
 
 /// A source's sharp image and where it stands.
 #[derive(Clone, Copy, Debug)]
@@ -52,10 +50,19 @@ pub fn encode_starburst(
     colours: &[Wavelength],
     half_mm: [f64; 2],
 ) {
-    let diffraction = Diffraction::of(aperture, MASK_SIDE, MASK_REACH, DIRT);
+    let diffraction = Diffraction::of(aperture, MASK_SIDE, MASK_REACH);
     let span_mm = 0.5 * MASK_SIDE as f64 * diffraction.bin_mm(0.5, star.f_number);
-    let spread = diffraction.spread(colours, star.f_number, star.disc_mm, PATTERN_SIDE as usize, span_mm);
-    let most = spread.iter().flatten().fold(f32::MIN_POSITIVE, |most, &value| most.max(value));
+    let spread = diffraction.spread(
+        colours,
+        star.f_number,
+        star.disc_mm,
+        PATTERN_SIDE as usize,
+        span_mm,
+    );
+    let most = spread
+        .iter()
+        .flatten()
+        .fold(f32::MIN_POSITIVE, |most, &value| most.max(value));
     // Half floats hold five digits: the pattern goes up to 1, its scale into the uniform.
     let texels: Vec<[half::f16; 4]> = spread
         .iter()
@@ -89,7 +96,13 @@ pub fn encode_starburst(
     };
     let uniforms = uniform_buffer(gpu, "starburst", &frame);
     let module = shader_module(gpu, &STARBURST);
-    let pipeline = super::added_pipeline(gpu, &module, target.texture.format(), &[], wgpu::PrimitiveTopology::TriangleStrip);
+    let pipeline = super::added_pipeline(
+        gpu,
+        &module,
+        target.texture.format(),
+        &[],
+        wgpu::PrimitiveTopology::TriangleStrip,
+    );
     let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
         mag_filter: wgpu::FilterMode::Linear,
         min_filter: wgpu::FilterMode::Linear,

@@ -39,15 +39,14 @@ pub fn fft_2d<T: FftNum>(side: usize, field: &mut Vec<Complex<T>>) {
 }
 
 impl Diffraction {
-    /// Of an aperture on a mask of `side` texels that spans `reach` pupil diameters, with `dirt` specks and scratches on
-    /// the glass.
-    pub fn of(aperture: &Aperture, side: usize, reach: f64, dirt: u32) -> Self {
+    /// Of an aperture on a mask of `side` texels that spans `reach` pupil diameters.
+    pub fn of(aperture: &Aperture, side: usize, reach: f64) -> Self {
         let mut mask: Vec<f64> = aperture
             .mask(side as u32, reach)
             .into_iter()
             .map(|texel| f64::from(texel) / 255.0)
             .collect();
-        soil(&mut mask, side, reach, dirt);
+        soil(&mut mask, side, reach, aperture.dirt);
         let mut field: Vec<Complex32> = mask.iter().map(|&open| Complex32::from(open as f32)).collect();
         fft_2d(side, &mut field);
         let power_of = |value: &Complex32| f64::from(value.re).powi(2) + f64::from(value.im).powi(2);
@@ -89,14 +88,17 @@ impl Diffraction {
                 let mut sum = vec![0.0; pixels * pixels];
                 for (colour, points) in colours.iter().zip(&points) {
                     let share = colour.rgb[channel] / (pixel_mm * pixel_mm);
-                    sum.iter_mut().zip(points).for_each(|(sum, point)| *sum += share * point);
+                    sum.iter_mut()
+                        .zip(points)
+                        .for_each(|(sum, point)| *sum += share * point);
                 }
                 over_disc(&sum, pixels, disc_mm / pixel_mm)
             })
             .collect();
         (0..pixels * pixels)
             .map(|k| {
-                let at = DVec2::new((k % pixels) as f64 + 0.5, (k / pixels) as f64 + 0.5) * pixel_mm - span_mm;
+                let at =
+                    DVec2::new((k % pixels) as f64 + 0.5, (k / pixels) as f64 + 0.5) * pixel_mm - span_mm;
                 let rim = ((at.length() / span_mm - 0.5) / 0.5).clamp(0.0, 1.0);
                 let fade = 1.0 - rim * rim * (3.0 - 2.0 * rim);
                 [0, 1, 2].map(|channel: usize| (channels[channel][k].max(0.0) * fade) as f32)
@@ -167,7 +169,11 @@ fn soil(mask: &mut [f64], side: usize, reach: f64, dirt: u32) {
         } else {
             DVec2::ZERO
         };
-        let radius = if is_scratch { 0.004 } else { 0.004 + 0.012 * random() };
+        let radius = if is_scratch {
+            0.004
+        } else {
+            0.004 + 0.012 * random()
+        };
         let (low, high) = (from.min(from + along) - radius, from.max(from + along) + radius);
         let index_of = |place: f64| (((place + reach) / texel).max(0.0) as usize).min(side);
         for row in index_of(low.y)..index_of(high.y + texel) {
