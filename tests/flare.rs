@@ -88,6 +88,9 @@ fn spikes_by_blades() {
                 power[sector] += value * at.length();
             }
         }
+        let power: Vec<f64> = (0..sectors)
+            .map(|k| (0..9).map(|d| power[(k + sectors + d - 4) % sectors]).sum())
+            .collect();
         let most = power.iter().copied().fold(0.0, f64::max);
         let high: Vec<bool> = power.iter().map(|&value| value > 0.3 * most).collect();
         let rises = (0..sectors)
@@ -154,15 +157,18 @@ fn a_ghost_keeps_its_light() {
     let gpu = Gpu::open().unwrap();
     let lens = built_in("angenieux").unwrap().unwrap();
     let f_number = 8.0;
-    let paraxial = Paraxial::new(&lens, D_LINE_UM, None);
-    let tracer = Tracer::new(&lens, 0.51, paraxial.sensor_gap_mm());
+    // The iris is set for the d line; the green channel is checked.
+    let d_line = Paraxial::new(&lens, D_LINE_UM, None);
+    let stop_mm = d_line.stop_radius(f_number);
+    let paraxial = Paraxial::new(&lens, 0.51, Some(d_line.sensor_gap_mm()));
+    let tracer = Tracer::new(&lens, 0.51, d_line.sensor_gap_mm());
     let mut checked = 0;
     for ghost in rilievo::camera::single_crossing_ghosts(&lens) {
         let matrices = paraxial.matrices(Some(ghost));
-        let pupil_mm = paraxial.stop_radius(f_number) / matrices.ma.x_axis.x.abs();
+        let pupil_mm = stop_mm / matrices.ma.x_axis.x.abs();
         let size_mm = pupil_mm * matrices.mf.x_axis.x.abs();
         // Those that lie whole on the film, are more than a few pixels wide, and no barrel cuts.
-        if !(0.8..8.0).contains(&size_mm) || pupil_mm > 8.0 {
+        if !(1.5..8.0).contains(&size_mm) || pupil_mm > 8.0 {
             continue;
         }
         let power = tracer
@@ -173,7 +179,6 @@ fn a_ghost_keeps_its_light() {
         let side = 400;
         let reach = 2.0 * pupil_mm;
         let step = 2.0 * reach / f64::from(side);
-        let stop_mm = paraxial.stop_radius(f_number);
         let counted: f64 = (0..side * side)
             .filter_map(|k| {
                 let entry = DVec2::new(f64::from(k % side) + 0.5, f64::from(k / side) + 0.5) * step - reach;

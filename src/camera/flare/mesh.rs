@@ -68,7 +68,8 @@ pub struct FlareVertex {
 pub fn nonlinearity(lens: &Lens, ghost: Ghost, angle: f64, f_number: f64) -> Option<f64> {
     let paraxial = Paraxial::new(lens, D_LINE_UM, None);
     let tracer = Tracer::new(lens, D_LINE_UM, paraxial.sensor_gap_mm());
-    let linear = LinearGhost::new(lens, &paraxial, ghost, angle, f_number);
+    let stop_mm = stop_radius(lens, &paraxial, f_number);
+    let linear = LinearGhost::new(lens, &paraxial, ghost, angle, stop_mm);
     let half_diagonal = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
     let side = 13;
     let mut worst: Option<f64> = None;
@@ -106,12 +107,11 @@ struct LinearGhost {
 }
 
 impl LinearGhost {
-    fn new(lens: &Lens, paraxial: &Paraxial, ghost: Ghost, angle: f64, f_number: f64) -> Self {
+    fn new(lens: &Lens, paraxial: &Paraxial, ghost: Ghost, angle: f64, stop_mm: f64) -> Self {
         let matrices = paraxial.matrices(Some(ghost));
         let a = [matrices.ma.x_axis.x, matrices.ma.y_axis.x];
         let f = [matrices.mf.x_axis.x, matrices.mf.y_axis.x];
         let slope = DVec2::new(angle.tan(), 0.0);
-        let stop_mm = stop_radius(lens, paraxial, f_number);
         let barrel_mm = barrel_radius(lens, paraxial);
         // The effective pupil, r_e = (±r_a - Ma12 θ) / Ma11: what the stop lets through, seen from the front; of it what
         // the barrel lets in.
@@ -180,7 +180,10 @@ pub fn flare_mesh(
     };
     let colours = spectrum(source.wavelengths);
     // The sensor stays in the focus of the d line for every colour.
-    let gap = Paraxial::new(lens, D_LINE_UM, None).sensor_gap_mm();
+    let d_line = Paraxial::new(lens, D_LINE_UM, None);
+    let gap = d_line.sensor_gap_mm();
+    // So is the iris set.
+    let stop_mm = stop_radius(lens, &d_line, source.f_number);
     let optics: Vec<(Wavelength, Paraxial)> = colours
         .into_iter()
         .map(|colour| (colour, Paraxial::new(lens, colour.um, Some(gap))))
@@ -196,9 +199,9 @@ pub fn flare_mesh(
                     .is_none_or(|off| off > LINEAR_ENOUGH),
             };
             if traced {
-                traced_ghost(lens, paraxial, *colour, source, ghost)
+                traced_ghost(lens, paraxial, *colour, source, ghost, stop_mm)
             } else {
-                quad(lens, paraxial, *colour, source, ghost)
+                quad(lens, paraxial, *colour, source, ghost, stop_mm)
             }
         })
         .collect()
@@ -224,8 +227,9 @@ fn quad(
     colour: Wavelength,
     source: &FlareSource,
     ghost: Ghost,
+    stop_mm: f64,
 ) -> Vec<FlareVertex> {
-    let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, source.f_number);
+    let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
     if linear.is_shut() {
         return Vec::new();
     }
@@ -279,9 +283,9 @@ fn traced_ghost(
     colour: Wavelength,
     source: &FlareSource,
     ghost: Ghost,
+    stop_mm: f64,
 ) -> Vec<FlareVertex> {
     let tracer = Tracer::new(lens, colour.um, paraxial.sensor_gap_mm());
-    let stop_mm = stop_radius(lens, paraxial, source.f_number);
     let barrel_mm = barrel_radius(lens, paraxial);
     let direction = beam_direction(source.angle);
     let grid = |low: DVec2, high: DVec2, side: usize| -> Vec<(DVec2, Option<TracedRay>)> {
@@ -296,7 +300,7 @@ fn traced_ghost(
     // First the part of the entrance that gets through, with a cell round it and the linear pupil.
     let all = DVec2::splat(barrel_mm);
     let cell = 2.0 * barrel_mm / (SEARCH_RAYS - 1) as f64;
-    let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, source.f_number);
+    let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
     let (mut low, mut high) = (linear.middle - linear.half, linear.middle + linear.half);
     if linear.is_shut() {
         (low, high) = (all, -all);
