@@ -76,6 +76,7 @@ fn the_top_level_is_what_the_design_fixes() {
         "README.md",
         "LICENSE-MIT",
         "LICENSE-APACHE",
+        "NOTICE",
         "target",
         "demo",
     ];

@@ -293,7 +293,7 @@ fn show(lens: &Lens, json: bool, toml: bool) -> Result<(), CommandError> {
 fn flare(args: &FlareArgs) -> Result<(), CommandError> {
     let lens = open(&args.lens)?;
     let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
-    if !(args.angle.x.abs() < 90.0) {
+    if args.angle.x.abs() >= 90.0 {
         return Err(CommandError::Argument(format!(
             "--angle {}: give degrees between -90 and 90 from the axis",
             args.angle.x
@@ -382,7 +382,7 @@ fn trace(
     json: bool,
 ) -> Result<(), CommandError> {
     let bad = |what: String| Err(CommandError::Argument(what));
-    if !(angle_deg.abs() < 90.0) {
+    if !angle_deg.is_finite() || angle_deg.abs() >= 90.0 {
         return bad(format!("--angle {angle_deg}: give degrees between -90 and 90"));
     }
     let wavelength_um = wavelength_nm.map_or(D_LINE_UM, |nm| nm * 1e-3);

@@ -97,12 +97,8 @@ impl Lens {
                 surface.glass.index(D_LINE_UM),
             ];
             let clear = surface.semi_diameter_mm.unwrap_or(1.0);
-            if !numbers
-                .iter()
-                .chain(&surface.aspheric)
-                .all(|value| value.is_finite())
-                || !(clear.is_finite() && clear > 0.0)
-            {
+            let mut values = numbers.iter().chain(&surface.aspheric).chain([&clear]);
+            if values.any(|value| !value.is_finite()) || clear <= 0.0 {
                 return Err(unfit(format!("surface {number} has a value that is no number")));
             }
             if !(0.5..5.0).contains(&surface.glass.index(D_LINE_UM)) {
@@ -111,9 +107,6 @@ impl Lens {
                     surface.glass.index(D_LINE_UM)
                 )));
             }
-        }
-        if surfaces[stop].radius_mm != 0.0 && surfaces[stop].glass == Glass::Air && stop == 0 {
-            return Err(unfit("the stop is curved and lies in air".to_owned()));
         }
         Ok(Self {
             name,

@@ -77,7 +77,7 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
                 surface.glass = Glass::catalogue(glass)
                     .filter(|_| !model)
                     .unwrap_or_else(|| Glass::model(n_d, v_d));
-                if !(surface.glass.index(super::D_LINE_UM) >= 1.0) {
+                if surface.glass.index(super::D_LINE_UM) < 1.0 {
                     return Err(syntax(format!(
                         "line {number}: the glass {glass} is in no catalogue here and has no index; write its n_d and V_d"
                     )));
