@@ -230,6 +230,17 @@ fn reflectance_obeys_the_closed_forms() {
     let there = reflectance(1.0, &stack, 1.6, cos_in, 0.5);
     assert!((there - reflectance(1.6, &back, 1.0, cos_out, 0.5)).abs() < 1e-12);
     assert_eq!(reflectance(1.5, &[], 1.0, 0.5, 0.55), 1.0, "total reflection");
+    // Beyond the film's own limit a thick film reflects all, and an absent one changes nothing.
+    let film = |thickness_um| {
+        [Layer {
+            index: 1.2,
+            thickness_um,
+        }]
+    };
+    let cos = 0.4;
+    assert!(reflectance(1.8, &film(20.0), 1.9, cos, 0.55) > 0.999_999);
+    let none = reflectance(1.8, &[], 1.9, cos, 0.55);
+    assert!((reflectance(1.8, &film(1e-9), 1.9, cos, 0.55) - none).abs() < 1e-6);
 }
 
 #[test]

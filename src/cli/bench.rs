@@ -19,7 +19,11 @@ use crate::space::View;
 #[derive(Debug, clap::Args)]
 pub struct BenchArgs {
     /// The city folder.
-    city: PathBuf,
+    #[arg(required_unless_present = "flare")]
+    city: Option<PathBuf>,
+    /// Time the flares of the built-in lenses instead: each way of making ghosts, sun at 5 degrees, f/8.
+    #[arg(long, conflicts_with_all = ["city", "path"])]
+    flare: bool,
     /// Views: a JSON list of {"name", "eye": [E,N,H], "look": [E,N,H], "fov": degrees} [default: low, oblique and high
     /// over the middle].
     #[arg(long)]
@@ -51,7 +55,10 @@ fn default_fov() -> f64 {
 
 /// Times both ways of drawing.
 pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
-    let city = City::open(&args.city)?;
+    let Some(folder) = &args.city else {
+        return super::bench_flare::run(args.size, args.frames, args.json);
+    };
+    let city = City::open(folder)?;
     let views = match &args.path {
         Some(path) => read_path(path)?,
         None => default_views(&city)?,
@@ -147,7 +154,7 @@ fn print_table(report: &Value) {
     }
 }
 
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()

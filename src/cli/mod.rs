@@ -12,6 +12,7 @@ macro_rules! say {
 
 mod args;
 mod bench;
+mod bench_flare;
 mod import;
 mod info;
 mod lens;

@@ -46,22 +46,27 @@ pub fn reflectance(n1: f64, layers: &[Layer], n2: f64, cos_incidence: f64, wavel
     }
     let cos2 = cosine(n2);
     // Admittance of a medium: n cos for the s, n / cos for the p polarisation (Born & Wolf 1.6 eq. 55, 59).
-    let power = |s: bool| {
-        let admittance = |n: f64, cos: f64| if s { n * cos } else { n / cos.max(1e-12) };
-        let (y1, y2) = (admittance(n1, cos1), admittance(n2, cos2));
-        // Product of the films' matrices [[cos d, i sin d / y], [i y sin d, cos d]] applied to (1, y2).
-        let (mut e, mut h) = (Complex64::from(1.0), Complex64::from(y2));
-        for layer in layers.iter().rev() {
-            let cos = cosine(layer.index);
-            let y = admittance(layer.index, cos);
-            let phase = std::f64::consts::TAU * layer.index * layer.thickness_um * cos / wavelength_um;
-            let (sin_d, cos_d) = phase.sin_cos();
-            (e, h) = (
-                e * cos_d + Complex64::i() * (sin_d / y) * h,
-                Complex64::i() * (y * sin_d) * e + h * cos_d,
-            );
+    let start = |y2: f64| (Complex64::from(1.0), Complex64::from(y2));
+    let mut fields = [start(n2 * cos2), start(n2 / cos2.max(1e-12))];
+    // Product of the films' matrices [[cos d, i sin d / y], [i y sin d, cos d]] applied to (1, y2).
+    for layer in layers.iter().rev() {
+        let square = 1.0 - (invariant / layer.index).powi(2);
+        let thickness = std::f64::consts::TAU * layer.index * layer.thickness_um / wavelength_um;
+        // Beyond a film's own limit of total reflection its cosine is imaginary, and the wave in it fades.
+        let (cos, sin_d, cos_d) = if square > 0.0 {
+            let (sin_d, cos_d) = (thickness * square.sqrt()).sin_cos();
+            (Complex64::from(square.sqrt()), Complex64::from(sin_d), cos_d)
+        } else {
+            let cos = (-square).max(1e-12).sqrt();
+            let depth = thickness * cos;
+            (Complex64::i() * cos, Complex64::i() * depth.sinh(), depth.cosh())
+        };
+        let admittances = [cos * layer.index, layer.index / cos];
+        for ((e, h), y) in fields.iter_mut().zip(admittances) {
+            let across = Complex64::i() * sin_d;
+            (*e, *h) = (*e * cos_d + across / y * *h, across * y * *e + *h * cos_d);
         }
-        ((e * y1 - h) / (e * y1 + h)).norm_sqr()
-    };
-    0.5 * (power(true) + power(false))
+    }
+    let power = |(e, h): (Complex64, Complex64), y1: f64| ((e * y1 - h) / (e * y1 + h)).norm_sqr();
+    0.5 * (power(fields[0], n1 * cos1) + power(fields[1], n1 / cos1.max(1e-12)))
 }

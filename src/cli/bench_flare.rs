@@ -1,0 +1,81 @@
+//! `rilievo bench --flare`: what the flares of the built-in lenses cost.
+
+use serde_json::{Value, json};
+
+use super::CommandError;
+use super::bench::median;
+use crate::camera::flare::{Aperture, FlareMode, FlareSource};
+use crate::camera::lens::{BUILT_IN, built_in};
+use crate::camera::single_crossing_ghosts;
+use crate::gpu::Gpu;
+use crate::output::{RenderError, flare_picture};
+
+/// Rays along a side of a traced grid: where more no longer changes the picture by 40 dB.
+const RAYS: usize = 40;
+
+/// Times every lens in every mode: triangles, milliseconds to make them, milliseconds on the GPU.
+pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> {
+    let gpu = Gpu::open().map_err(RenderError::from)?;
+    let aperture = Aperture::default();
+    let mut rows: Vec<Value> = Vec::new();
+    if !json {
+        say!("{}, {} x {} pixels", gpu.adapter_name, size[0], size[1]);
+        say!(
+            "{:18} {:>7} {:9} {:>10} {:>9} {:>9} {:>16}",
+            "lens",
+            "ghosts",
+            "mode",
+            "triangles",
+            "make ms",
+            "GPU ms",
+            "GPU ms a ghost"
+        );
+    }
+    for (name, _) in BUILT_IN {
+        let Some(lens) = built_in(name) else { continue };
+        let lens = lens?;
+        let ghosts = single_crossing_ghosts(&lens).len();
+        for mode in [FlareMode::Paraxial, FlareMode::Blended, FlareMode::Exact] {
+            let source = FlareSource {
+                angle: 5_f64.to_radians(),
+                turn: 0.5,
+                irradiance: [1.0; 3],
+                f_number: 8.0,
+                wavelengths: 3,
+                rays: RAYS,
+                whole_entrance: false,
+            };
+            let mut times = Vec::new();
+            let mut triangles = 0;
+            for _ in 0..frames {
+                let picture = flare_picture(&gpu, &lens, &source, mode, None, &aperture, size)?;
+                triangles = picture.triangles;
+                times.push((picture.mesh_ms, picture.gpu_ms));
+            }
+            let make_ms = median(times.iter().map(|(make, _)| *make));
+            let gpu_ms = median(times.iter().filter_map(|(_, gpu)| *gpu));
+            let a_ghost = gpu_ms.map(|ms| ms / ghosts as f64);
+            let mode = format!("{mode:?}").to_lowercase();
+            if !json {
+                let ms = |value: Option<f64>| value.map_or("-".to_owned(), |ms| format!("{ms:.2}"));
+                say!(
+                    "{name:18} {ghosts:>7} {mode:9} {triangles:>10} {:>9} {:>9} {:>16}",
+                    ms(make_ms),
+                    ms(gpu_ms),
+                    ms(a_ghost)
+                );
+            }
+            rows.push(json!({
+                "lens": name, "ghosts": ghosts, "mode": mode, "triangles": triangles,
+                "make_ms": make_ms, "gpu_ms": gpu_ms, "gpu_ms_per_ghost": a_ghost,
+            }));
+        }
+    }
+    if json {
+        say!(
+            "{}",
+            json!({"device": gpu.adapter_name, "size": size, "frames": frames, "flares": rows})
+        );
+    }
+    Ok(())
+}
