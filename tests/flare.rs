@@ -116,7 +116,7 @@ const SIZE: [u32; 2] = [240, 160];
 
 fn draw(gpu: &Gpu, name: &str, source: &FlareSource, mode: FlareMode, only: Option<Ghost>) -> FlarePicture {
     let lens = built_in(name).unwrap().unwrap();
-    flare_picture(gpu, &lens, source, mode, only, &Aperture::default(), SIZE).unwrap()
+    flare_picture(gpu, &lens, source, mode, only, None, &Aperture::default(), SIZE).unwrap()
 }
 
 /// Peak signal-to-noise ratio of two 8-bit pictures, dB.
@@ -193,7 +193,7 @@ fn a_ghost_keeps_its_light() {
         ] {
             let expected = entrance * 4.0 * f_number * f_number / PI;
             let lit = source(0.0, f_number, 96);
-            let picture = flare_picture(&gpu, &lens, &lit, mode, Some(ghost), &CIRCLE, SIZE).unwrap();
+            let picture = flare_picture(&gpu, &lens, &lit, mode, Some(ghost), None, &CIRCLE, SIZE).unwrap();
             let pixel_mm2 = (36.0 / f64::from(SIZE[0])).powi(2);
             let sum: f64 = picture.radiance.iter().map(|rgb| f64::from(rgb[1])).sum::<f64>() * pixel_mm2;
             assert!(

@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2};
 use serde_json::{Value, json};
 
 use super::CommandError;
-use crate::camera::flare::{Aperture, FlareMode, FlareSource};
+use crate::camera::flare::{Aperture, FlareMode, FlareSource, FlareTable};
 use crate::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in, open, to_toml};
 use crate::camera::{
     Ghost, Paraxial, Tracer, beam_direction, crossings, ghosts, lens_diagram, single_crossing_ghosts,
@@ -98,6 +98,9 @@ pub struct FlareArgs {
     /// How ghosts are made.
     #[arg(long, value_enum, default_value = "paraxial")]
     mode: FlareMode,
+    /// Bake the blended mode's table first and draw from it, instead of tracing for this one angle.
+    #[arg(long)]
+    table: bool,
     /// Draw this ghost alone: I,J.
     #[arg(long, value_parser = pair)]
     ghost: Option<[usize; 2]>,
@@ -290,6 +293,26 @@ fn show(lens: &Lens, json: bool, toml: bool) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// Bakes a lens's table to beyond the corner of its film, and says how large it is.
+fn bake(lens: &Lens, f_number: f64) -> FlareTable {
+    let start = std::time::Instant::now();
+    let table = FlareTable::bake(lens, f_number, most_angle(lens));
+    say!(
+        "table: {} ghosts, {:.2} MB, {:.0} ms to bake",
+        table.len(),
+        table.bytes() as f64 * 1e-6,
+        start.elapsed().as_secs_f64() * 1e3
+    );
+    table
+}
+
+/// Angle of the film's corner and a third more, radians.
+pub fn most_angle(lens: &Lens) -> f64 {
+    let half_diagonal = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
+    let corner = half_diagonal.atan2(Paraxial::new(lens, D_LINE_UM, None).efl_mm.abs());
+    (1.35 * corner).clamp(0.37, 1.2)
+}
+
 fn flare(args: &FlareArgs) -> Result<(), CommandError> {
     let lens = open(&args.lens)?;
     let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
@@ -313,7 +336,19 @@ fn flare(args: &FlareArgs) -> Result<(), CommandError> {
         blades: args.blades,
         ..Aperture::default()
     };
-    let draw = |mode| flare_picture(&gpu, &lens, &source, mode, ghost, &aperture, args.size);
+    let table = (args.table && args.mode == FlareMode::Blended).then(|| bake(&lens, args.f_number));
+    let draw = |mode| {
+        flare_picture(
+            &gpu,
+            &lens,
+            &source,
+            mode,
+            ghost,
+            table.as_ref(),
+            &aperture,
+            args.size,
+        )
+    };
     let linear = draw(FlareMode::Paraxial)?;
     let exposure = auto_exposure(&linear.radiance);
     let picture = match args.mode {

@@ -2,7 +2,9 @@
 
 use super::RenderError;
 use crate::camera::Ghost;
-use crate::camera::flare::{Aperture, FlareMode, FlarePass, FlareSource, FlareVertex, flare_mesh};
+use crate::camera::flare::{
+    Aperture, FlareMode, FlarePass, FlareSource, FlareTable, FlareVertex, flare_mesh,
+};
 use crate::camera::lens::Lens;
 use crate::gpu::{Gpu, PassTimer, Target, read_texture};
 
@@ -27,12 +29,13 @@ pub fn flare_picture(
     source: &FlareSource,
     mode: FlareMode,
     only: Option<Ghost>,
+    table: Option<&FlareTable>,
     aperture: &Aperture,
     size: [u32; 2],
 ) -> Result<FlarePicture, RenderError> {
     const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
     let start = std::time::Instant::now();
-    let vertices = flare_mesh(lens, source, mode, only);
+    let vertices = flare_mesh(lens, source, mode, only, table);
     let mesh_ms = start.elapsed().as_secs_f64() * 1e3;
     let target = Target::new(gpu, "flare", size, FORMAT);
     let pass = FlarePass::new(gpu, FORMAT, aperture);

@@ -204,7 +204,7 @@ fn add_flare(
         gpu,
         encoder,
         &develop.flare,
-        &flare_mesh(lens.lens, &source, lens.mode, None),
+        &flare_mesh(lens.lens, &source, lens.mode, None, None),
         half_mm,
         lens.sun_visibility,
         None,

@@ -1,0 +1,107 @@
+//! A ghost as a grid of rays over the part of the entrance that lets its light in.
+
+use glam::DVec2;
+
+use super::Wavelength;
+use super::linear::LinearGhost;
+use super::source::{FlareSource, FlareVertex, radiance, turned};
+use crate::camera::path::Ghost;
+use crate::camera::trace::{TracedRay, Tracer, beam_direction};
+
+/// Rays row by row over a rectangle of the entrance.
+#[derive(Clone, Debug)]
+pub struct RayGrid {
+    /// Its corners, millimetres.
+    pub low: DVec2,
+    /// See `low`.
+    pub high: DVec2,
+    /// Rays along a side.
+    pub side: usize,
+    /// The rays; none where one gets lost.
+    pub rays: Vec<Option<TracedRay>>,
+}
+
+/// Rays along a side of the grid that finds where a ghost's light comes in.
+const SEARCH_RAYS: usize = 25;
+
+impl RayGrid {
+    /// Traces a grid over a rectangle.
+    pub fn over(tracer: &Tracer<'_>, ghost: Ghost, angle: f64, [low, high]: [DVec2; 2], side: usize) -> Self {
+        let direction = beam_direction(angle);
+        let rays = (0..side * side)
+            .map(|k| {
+                let share = DVec2::new((k % side) as f64, (k / side) as f64) / (side - 1) as f64;
+                tracer.trace(Some(ghost), low + (high - low) * share, direction)
+            })
+            .collect();
+        Self {
+            low,
+            high,
+            side,
+            rays,
+        }
+    }
+
+    /// The part of the entrance that gets through, with a cell round it and the linear pupil; none when nothing does.
+    pub fn window(tracer: &Tracer<'_>, ghost: Ghost, angle: f64, linear: &LinearGhost) -> Option<[DVec2; 2]> {
+        let all = DVec2::splat(linear.barrel_mm);
+        let cell = 2.0 * linear.barrel_mm / (SEARCH_RAYS - 1) as f64;
+        let (mut low, mut high) = (linear.middle - linear.half, linear.middle + linear.half);
+        if linear.is_shut() {
+            (low, high) = (all, -all);
+        }
+        let search = Self::over(tracer, ghost, angle, [-all, all], SEARCH_RAYS);
+        for (k, ray) in search.rays.iter().enumerate() {
+            let passes = |ray: &TracedRay| {
+                ray.relative_height <= 1.05 && ray.stop_mm.length() <= 1.05 * linear.stop_mm
+            };
+            if ray.as_ref().is_some_and(passes) {
+                let entry = DVec2::new((k % SEARCH_RAYS) as f64, (k / SEARCH_RAYS) as f64) * cell - all;
+                low = low.min(entry - cell);
+                high = high.max(entry + cell);
+            }
+        }
+        let (low, high) = (low.max(-all), high.min(all));
+        (low.x < high.x && low.y < high.y).then_some([low, high])
+    }
+
+    /// Triangles on the sensor.
+    pub fn triangles(&self, source: &FlareSource, colour: Wavelength, stop_mm: f64) -> Vec<FlareVertex> {
+        let (low, high, side, rays) = (self.low, self.high, self.side, &self.rays);
+        let area = (high - low).element_product() / ((side - 1) * (side - 1)) as f64;
+        let mut vertices = Vec::new();
+        for row in 0..side - 1 {
+            for column in 0..side - 1 {
+                let at = |dx: usize, dy: usize| rays[(row + dy) * side + column + dx];
+                let (Some(a), Some(b), Some(c), Some(d)) = (at(0, 0), at(1, 0), at(1, 1), at(0, 1)) else {
+                    continue;
+                };
+                for corners in [[a, b, c], [a, c, d]] {
+                    let nearest = |key: fn(&TracedRay, f64) -> f64| {
+                        corners
+                            .iter()
+                            .map(|ray| key(ray, stop_mm))
+                            .fold(f64::INFINITY, f64::min)
+                    };
+                    if nearest(|ray, _| ray.relative_height) > 1.0
+                        || nearest(|ray, stop_mm| ray.stop_mm.length() / stop_mm) > 1.5
+                    {
+                        continue;
+                    }
+                    let [p, q, r] = corners.map(|ray| ray.sensor_mm);
+                    let landed = 0.5 * (q - p).perp_dot(r - p).abs();
+                    if landed < 1e-12 {
+                        continue;
+                    }
+                    vertices.extend(corners.map(|ray| FlareVertex {
+                        sensor_mm: turned(ray.sensor_mm, source),
+                        stop: turned(ray.stop_mm / -stop_mm, source),
+                        barrel: [ray.relative_height as f32, 0.0],
+                        radiance: radiance(source, colour, ray.power, 0.5 * area / landed),
+                    }));
+                }
+            }
+        }
+        vertices
+    }
+}
