@@ -16,7 +16,7 @@ use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
 use crate::camera::trace::{TracedRay, Tracer};
 
-/// Rays along a side of a stored grid.
+/// Rays along a side of a stored grid, even.
 const SIDE: usize = 10;
 /// Wavelengths that are stored, micrometres; others follow by 1 / wavelength², in which glass is nearly linear (Cauchy).
 const COLOURS_UM: [f64; 2] = [0.475, 0.650];
@@ -46,7 +46,8 @@ struct Step {
     angle: f64,
     /// Corners of the entrance window, millimetres; none where no light gets through.
     window: Option<[DVec2; 2]>,
-    /// Per stored colour: middle of the sensor places, then per ray sensor place from there (mm), place in the stop (mm),
+    /// Per stored colour: middle of the sensor places, then per ray of the half below the beam's plane (the other half is
+    /// its mirror image) sensor place from there (mm), place in the stop (mm),
     /// relative height, root of the power. A lost ray is infinitely high.
     colours: Vec<(DVec2, Vec<[f16; 6]>)>,
 }
@@ -217,10 +218,14 @@ impl Step {
 
 fn packed(grid: &RayGrid) -> (DVec2, Vec<[f16; 6]>) {
     let alive: Vec<DVec2> = grid.rays.iter().flatten().map(|ray| ray.sensor_mm).collect();
-    let middle = alive.iter().sum::<DVec2>() / alive.len().max(1) as f64;
+    let middle = DVec2::new(
+        alive.iter().map(|at| at.x).sum::<f64>() / alive.len().max(1) as f64,
+        0.0,
+    );
     let rays = grid
         .rays
         .iter()
+        .take(SIDE * SIDE / 2)
         .map(|ray| {
             ray.map_or([f16::INFINITY; 6], |ray| {
                 let at = ray.sensor_mm - middle;
@@ -254,17 +259,17 @@ impl TabledGhost {
         let share = (inverse_square(wavelength_um) - blue) / (red - blue);
         let coarse: Vec<Option<[f64; 6]>> = (0..SIDE * SIDE)
             .map(|k| {
+                // The other half is this one's mirror image.
+                let (column, row) = (k % SIDE, k / SIDE);
+                let (stored, mirror) = if row < SIDE / 2 {
+                    (row, 1.0)
+                } else {
+                    (SIDE - 1 - row, -1.0)
+                };
                 let value = |colour: usize| {
                     let (middle, rays) = &step.colours[colour];
-                    let ray = rays[k].map(f16::to_f64);
-                    [
-                        middle.x + ray[0],
-                        middle.y + ray[1],
-                        ray[2],
-                        ray[3],
-                        ray[4],
-                        ray[5],
-                    ]
+                    let [x, y, stop_x, stop_y, height, root] = rays[stored * SIDE + column].map(f16::to_f64);
+                    [middle.x + x, mirror * y, stop_x, mirror * stop_y, height, root]
                 };
                 let (a, b) = (value(0), value(1));
                 let mixed: [f64; 6] = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share);
