@@ -38,7 +38,7 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         let lens = lens?;
         let ghosts = single_crossing_ghosts(&lens).len();
         let start = std::time::Instant::now();
-        let table = FlareTable::bake(&lens, F_NUMBER, super::lens::most_angle(&lens));
+        let table = FlareTable::bake(&lens, F_NUMBER, super::lens_flare::most_angle(&lens));
         let bake_ms = start.elapsed().as_secs_f64() * 1e3;
         for mode in [FlareMode::Paraxial, FlareMode::Blended, FlareMode::Exact] {
             let source = FlareSource {

@@ -6,13 +6,12 @@ use glam::{DMat2, DVec2};
 use serde_json::{Value, json};
 
 use super::CommandError;
-use crate::camera::flare::{Aperture, FlareMode, FlareSource, FlareTable};
+use super::lens_flags::ghost_of;
 use crate::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in, open, to_toml};
 use crate::camera::{
     Ghost, Paraxial, Tracer, beam_direction, crossings, ghosts, lens_diagram, single_crossing_ghosts,
 };
-use crate::gpu::Gpu;
-use crate::output::{auto_exposure, developed, flare_picture, write_drawing, write_png, write_radiance};
+use crate::output::write_drawing;
 
 /// What to do with lenses.
 #[derive(Debug, clap::Subcommand)]
@@ -43,14 +42,14 @@ pub enum LensCommand {
         )]
         angles: Vec<f64>,
         /// Draw this ghost's rays too: I,J.
-        #[arg(long, value_parser = pair)]
+        #[arg(long, value_parser = super::lens_flags::pair)]
         ghost: Option<[usize; 2]>,
         /// The drawing to write, .svg or .png.
         #[arg(long)]
         out: PathBuf,
     },
     /// A picture of the flare of the sun.
-    Flare(FlareArgs),
+    Flare(super::lens_flare::FlareArgs),
     /// All two-reflection ghosts with their matrices.
     Ghosts {
         /// A built-in name or a file.
@@ -64,13 +63,13 @@ pub enum LensCommand {
         /// A built-in name or a file.
         lens: String,
         /// Reflect at surface I, then at J (numbered from 1, the stop counted); without it, the image's ray.
-        #[arg(long, value_parser = pair)]
+        #[arg(long, value_parser = super::lens_flags::pair)]
         ghost: Option<[usize; 2]>,
         /// Angle of the beam from the axis, degrees: its direction is (sin, 0, cos).
         #[arg(long, allow_hyphen_values = true)]
         angle: f64,
         /// Where the ray crosses the plane of the first vertex: X,Y in millimetres.
-        #[arg(long, value_parser = millimetres, allow_hyphen_values = true)]
+        #[arg(long, value_parser = super::lens_flags::millimetres, allow_hyphen_values = true)]
         entry: DVec2,
         /// Wavelength, nanometres [default: the d line].
         #[arg(long)]
@@ -82,73 +81,6 @@ pub enum LensCommand {
         #[arg(long)]
         json: bool,
     },
-}
-
-/// Flags of `lens flare`.
-#[derive(Debug, clap::Args)]
-pub struct FlareArgs {
-    /// A built-in name or a file.
-    lens: String,
-    /// The sun: degrees from the axis, and degrees from the right towards the top of the picture.
-    #[arg(long, value_parser = millimetres, allow_hyphen_values = true)]
-    angle: DVec2,
-    /// The f-number.
-    #[arg(long, value_parser = f_number)]
-    f_number: f64,
-    /// How ghosts are made.
-    #[arg(long, value_enum, default_value = "paraxial")]
-    mode: FlareMode,
-    /// Bake the blended mode's table first and draw from it, instead of tracing for this one angle.
-    #[arg(long)]
-    table: bool,
-    /// Draw this ghost alone: I,J.
-    #[arg(long, value_parser = pair)]
-    ghost: Option<[usize; 2]>,
-    /// Wavelengths: 3, or more for colour fringes.
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(3..=64))]
-    wavelengths: u32,
-    /// Rays along a side of a traced ghost's grid.
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1024))]
-    rays: u32,
-    /// Draw over the whole front of the lens, not the effective pupil alone: the same picture by more work.
-    #[arg(long)]
-    whole_entrance: bool,
-    /// Blades of the iris; fewer than 3 are a circle.
-    #[arg(long, default_value_t = 8)]
-    blades: u32,
-    /// Picture size, pixels.
-    #[arg(long, default_value = "960x640", value_parser = super::render::size)]
-    size: [u32; 2],
-    /// The picture to write. Its exposure is that of the paraxial flare, whatever the mode.
-    #[arg(long)]
-    out: PathBuf,
-    /// Linear radiance for a sun of irradiance 1 (f32 TIFF).
-    #[arg(long)]
-    linear: Option<PathBuf>,
-}
-
-/// An f-number.
-pub fn f_number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if (0.5..=256.0).contains(&number) => Ok(number),
-        _ => Err("give an f-number between 0.5 and 256".to_owned()),
-    }
-}
-
-fn pair(text: &str) -> Result<[usize; 2], String> {
-    let numbers: Option<Vec<usize>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[first, second]) if first > second && second > 0 => Ok([first, second]),
-        _ => Err("give two surface numbers I,J with I > J, such as 9,7".to_owned()),
-    }
-}
-
-fn millimetres(text: &str) -> Result<DVec2, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y]) if x.is_finite() && y.is_finite() => Ok(DVec2::new(x, y)),
-        _ => Err("give two numbers X,Y".to_owned()),
-    }
 }
 
 /// Runs a lens command.
@@ -169,7 +101,7 @@ pub fn run(command: LensCommand) -> Result<(), CommandError> {
             write_drawing(&out, &svg)?;
             Ok(())
         }
-        LensCommand::Flare(args) => flare(&args),
+        LensCommand::Flare(args) => super::lens_flare::run(&args),
         LensCommand::Ghosts { lens, json } => list_ghosts(&open(&lens)?, json),
         LensCommand::Trace {
             lens,
@@ -185,21 +117,6 @@ pub fn run(command: LensCommand) -> Result<(), CommandError> {
             trace(&lens, ghost, angle, entry, wavelength, sensor.as_deref(), json)
         }
     }
-}
-
-/// A ghost from surface numbers counted from 1.
-fn ghost_of(lens: &Lens, [first, second]: [usize; 2]) -> Result<Ghost, CommandError> {
-    if first > lens.surfaces.len() {
-        return Err(CommandError::Argument(format!(
-            "{}: there is no surface {first}; it has {}, the stop counted",
-            lens.name,
-            lens.surfaces.len()
-        )));
-    }
-    Ok(Ghost {
-        first: first - 1,
-        second: second - 1,
-    })
 }
 
 fn list() -> Result<(), CommandError> {
@@ -290,82 +207,6 @@ fn show(lens: &Lens, json: bool, toml: bool) -> Result<(), CommandError> {
             remarks.join(", ")
         );
     }
-    Ok(())
-}
-
-/// Bakes a lens's table to beyond the corner of its film, and says how large it is.
-fn bake(lens: &Lens, f_number: f64) -> FlareTable {
-    let start = std::time::Instant::now();
-    let table = FlareTable::bake(lens, f_number, most_angle(lens));
-    say!(
-        "table: {} ghosts, {:.2} MB, {:.0} ms to bake",
-        table.len(),
-        table.bytes() as f64 * 1e-6,
-        start.elapsed().as_secs_f64() * 1e3
-    );
-    table
-}
-
-/// Angle of the film's corner and a third more, radians.
-pub fn most_angle(lens: &Lens) -> f64 {
-    let half_diagonal = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
-    let corner = half_diagonal.atan2(Paraxial::new(lens, D_LINE_UM, None).efl_mm.abs());
-    (1.35 * corner).clamp(0.37, 1.2)
-}
-
-fn flare(args: &FlareArgs) -> Result<(), CommandError> {
-    let lens = open(&args.lens)?;
-    let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
-    if args.angle.x.abs() >= 90.0 {
-        return Err(CommandError::Argument(format!(
-            "--angle {}: give degrees between -90 and 90 from the axis",
-            args.angle.x
-        )));
-    }
-    let gpu = Gpu::open().map_err(crate::output::RenderError::from)?;
-    let source = FlareSource {
-        angle: args.angle.x.to_radians(),
-        turn: args.angle.y.to_radians(),
-        irradiance: [1.0; 3],
-        f_number: args.f_number,
-        wavelengths: args.wavelengths as usize,
-        rays: args.rays as usize,
-        whole_entrance: args.whole_entrance,
-    };
-    let aperture = Aperture {
-        blades: args.blades,
-        ..Aperture::default()
-    };
-    let table = (args.table && args.mode == FlareMode::Blended).then(|| bake(&lens, args.f_number));
-    let draw = |mode| {
-        flare_picture(
-            &gpu,
-            &lens,
-            &source,
-            mode,
-            ghost,
-            table.as_ref(),
-            &aperture,
-            args.size,
-        )
-    };
-    let linear = draw(FlareMode::Paraxial)?;
-    let exposure = auto_exposure(&linear.radiance);
-    let picture = match args.mode {
-        FlareMode::Paraxial => linear,
-        mode => draw(mode)?,
-    };
-    write_png(&args.out, args.size, &developed(&picture.radiance, exposure))?;
-    if let Some(path) = &args.linear {
-        write_radiance(path, args.size, &picture.radiance)?;
-    }
-    say!(
-        "{} triangles over {:.0} square millimetres of film, {:.1} ms to make, {} ms to draw",
-        picture.triangles,
-        picture.area_mm2,
-        picture.mesh_ms,
-        picture.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.2}"))
-    );
     Ok(())
 }
 

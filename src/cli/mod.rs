@@ -16,6 +16,8 @@ mod bench_flare;
 mod import;
 mod info;
 mod lens;
+mod lens_flags;
+mod lens_flare;
 mod render;
 mod sample;
 

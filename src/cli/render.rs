@@ -45,7 +45,7 @@ pub struct RenderArgs {
     #[arg(long)]
     lens: Option<String>,
     /// The lens's f-number.
-    #[arg(long, default_value_t = 8.0, value_parser = super::lens::f_number, requires = "lens")]
+    #[arg(long, default_value_t = 8.0, value_parser = super::lens_flags::f_number, requires = "lens")]
     f_number: f64,
     /// Blades of its iris; fewer than 3 are a circle.
     #[arg(long, default_value_t = 8, requires = "lens")]

@@ -6,6 +6,25 @@
 //!         └─▶ starburst (FFT) ─▶ star pass ───────────────────────────────┘
 //! ```
 //! Brightness is in proportion to the sun's: see `mesh`.
+//!
+//! What the two patents ask for, where it is, and the test that holds it:
+//!
+//! | method | function | test |
+//! |---|---|---|
+//! | KR 10-1465658: a matrix each for translation, refraction, reflection | `paraxial::{translation, refraction, reflection}` and their backward forms | `matrices_are_the_derivative_of_the_exact_trace`, `the_literal_inverse_is_the_wrong_sign` |
+//! | their product along the order of surfaces that the light meets, reflections included | `path::path`, `Paraxial::matrices` | `every_ray_of_the_independent_trace_of_the_heliar` |
+//! | split at the stop, Mf = Ms Ma | `PathMatrices` | the same |
+//! | all pairs of reflections; those that cross the stop once are drawn | `path::{ghosts, single_crossing_ghosts}` | `ghosts_that_cross_the_stop_once` |
+//! | a quad of four entrance points carried to the sensor | `mesh::quad` | `each_mode_comes_near_dense_exact_rays` |
+//! | the aperture as a texture, looked up through Ma | `Aperture::mask`, `shaders/camera/flare.wgsl` | `a_ghost_keeps_its_light` |
+//! | entrance cut to the lens barrel and the effective pupil | `LinearGhost::new` | `the_effective_pupil_changes_nothing_but_the_work` |
+//! | brightness by the ratio of entrance to sensor area, coatings, colours | `source::radiance`, `lens::reflectance`, `spectrum` | `a_ghost_keeps_its_light`, `reflectance_obeys_the_closed_forms`, `a_spectrum_adds_up_to_white` |
+//! | KR 10-1658883: which ghosts depart from linear | `nonlinearity` | `each_mode_comes_near_dense_exact_rays` |
+//! | nonlinear ghosts recorded beforehand over the angle of the light, and turned at play-back | `FlareTable`, `TabledGhost::grid`, `source::turned` | `the_table_comes_near_dense_exact_rays` |
+//! | linear and recorded ghosts blended, by addition | `flare_mesh`, `FlarePass` | the same |
+//!
+//! Not there yet: the variant with two rays a ghost, blending by interpolation and by alpha, a table over two angles for lenses
+//! without symmetry, and a table made from photos.
 
 mod added;
 mod aperture;
