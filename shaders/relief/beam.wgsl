@@ -72,7 +72,10 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
     for (var i = 0u; i < MOST_BEAM_STEPS && t < end; i += 1u) {
         let size = frame.texel_m * f32(1u << level);
         // So far that what the beam sweeps in plan is no wider than a block.
-        let t_next = t + max(size - 2.0 * (spread * t + BEAM_SLACK), 0.0) / fastest;
+        let reach = size - 2.0 * (spread * t + BEAM_SLACK);
+        // So far away that the beam is wider than a tile.
+        if reach <= 0.0 { break; }
+        let t_next = t + reach / fastest;
         let radius = spread * t_next + BEAM_SLACK;
         // In tiles first: a place in a large city has too many digits.
         let base = vec2<f32>(frame.eye_in_tile);

@@ -60,12 +60,14 @@ pub fn flare_mesh(
         .par_iter()
         .flat_map_iter(|&ghost| optics.iter().map(move |optics| (ghost, optics)))
         .flat_map_iter(|(ghost, (colour, paraxial))| {
+            let tracer = Tracer::new(lens, colour.um, gap);
+            let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
             if let (FlareMode::Blended, Some(table)) = (mode, table) {
                 return match table.ghost(ghost) {
                     Some(tabled) => tabled
                         .grid(source.angle, colour.um, source.rays)
                         .map_or_else(Vec::new, |grid| grid.triangles(source, *colour, stop_mm)),
-                    None => quad(lens, paraxial, *colour, source, ghost, stop_mm),
+                    None => quad(&tracer, &linear, *colour, source, ghost),
                 };
             }
             let traced = match mode {
@@ -75,9 +77,9 @@ pub fn flare_mesh(
                     .is_none_or(|off| off > LINEAR_ENOUGH),
             };
             if traced {
-                traced_ghost(lens, paraxial, *colour, source, ghost, stop_mm)
+                traced_ghost(&tracer, &linear, *colour, source, ghost)
             } else {
-                quad(lens, paraxial, *colour, source, ghost, stop_mm)
+                quad(&tracer, &linear, *colour, source, ghost)
             }
         })
         .collect()
@@ -88,14 +90,12 @@ const INNER: f64 = 0.6;
 
 /// The flare quad of a ghost.
 fn quad(
-    lens: &Lens,
-    paraxial: &Paraxial,
+    tracer: &Tracer<'_>,
+    linear: &LinearGhost,
     colour: Wavelength,
     source: &FlareSource,
     ghost: Ghost,
-    stop_mm: f64,
 ) -> Vec<FlareVertex> {
-    let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
     if linear.is_shut() {
         return Vec::new();
     }
@@ -104,7 +104,6 @@ fn quad(
     } else {
         [linear.middle, linear.half]
     };
-    let tracer = Tracer::new(lens, colour.um, paraxial.sensor_gap_mm());
     // Losses at the true angles of the ray through the middle; of an axial one where that ray does not arrive.
     let middle = tracer.trace(Some(ghost), linear.middle, beam_direction(source.angle));
     let axial = || tracer.trace(Some(ghost), DVec2::ZERO, beam_direction(0.0));
@@ -141,17 +140,17 @@ fn quad(
 
 /// A ghost by traced rays.
 fn traced_ghost(
-    lens: &Lens,
-    paraxial: &Paraxial,
+    tracer: &Tracer<'_>,
+    linear: &LinearGhost,
     colour: Wavelength,
     source: &FlareSource,
     ghost: Ghost,
-    stop_mm: f64,
 ) -> Vec<FlareVertex> {
-    let tracer = Tracer::new(lens, colour.um, paraxial.sensor_gap_mm());
-    let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
-    RayGrid::window(&tracer, ghost, source.angle, &linear).map_or_else(Vec::new, |window| {
-        RayGrid::over(&tracer, ghost, source.angle, window, source.rays.max(2))
-            .triangles(source, colour, stop_mm)
+    RayGrid::window(tracer, ghost, source.angle, linear).map_or_else(Vec::new, |window| {
+        RayGrid::over(tracer, ghost, source.angle, window, source.rays.max(2)).triangles(
+            source,
+            colour,
+            linear.stop_mm,
+        )
     })
 }
