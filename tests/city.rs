@@ -101,6 +101,32 @@ fn a_failed_import_leaves_the_old_city() {
 }
 
 #[test]
+fn an_edited_digital_map_is_not_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = folder.path().join("city");
+    let arguments = import_arguments(&sample().join("files"), &city);
+    succeed(&arguments);
+    let map = fs::File::options()
+        .write(true)
+        .open(city.join("buildings.gpkg"))
+        .unwrap();
+    let later = std::time::SystemTime::now() + std::time::Duration::from_secs(10);
+    map.set_modified(later).unwrap();
+    let output = rilievo(&arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("buildings.gpkg: was edited"), "{message}");
+    assert_eq!(
+        city.join("buildings.gpkg")
+            .metadata()
+            .unwrap()
+            .modified()
+            .unwrap(),
+        later
+    );
+}
+
+#[test]
 fn a_folder_that_is_no_city_is_never_replaced() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("thesis.txt"), "years of work").unwrap();

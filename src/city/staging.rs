@@ -33,6 +33,7 @@ impl Staging {
             target,
             &["city.toml", "buildings.gpkg", "terrain", "buildings", "photo"],
         )?;
+        refuse_edited(target)?;
         let mut name = target.file_name().unwrap_or_default().to_owned();
         if name.is_empty() {
             return Err(CityError::Unfit {
@@ -113,6 +114,24 @@ fn refuse_foreign(folder: &Path, own: &[&str]) -> Result<(), CityError> {
         }
     }
     Ok(())
+}
+
+/// Refuses to replace a digital map that was changed after the city was made (its manifest is written last).
+fn refuse_edited(target: &Path) -> Result<(), CityError> {
+    let changed = |name: &str| fs::metadata(target.join(name)).and_then(|file| file.modified());
+    let (Ok(map), Ok(manifest)) = (changed("buildings.gpkg"), changed("city.toml")) else {
+        return Ok(());
+    };
+    if map <= manifest {
+        return Ok(());
+    }
+    Err(CityError::Unfit {
+        what: format!(
+            "{}: was edited since the city was made, and an import would lose that",
+            target.join("buildings.gpkg").display()
+        ),
+        advice: "move it elsewhere (and import it with --buildings), or choose another --out".to_owned(),
+    })
 }
 
 /// Flushes the file system that holds the folder: one call instead of one per tile.

@@ -190,6 +190,27 @@ impl Crs {
         Ok(reference.is_projected() && metres && !distorted && !flipped)
     }
 
+    /// Whether a place lies in the area the CRS is registered for, a degree around it included; true when it names none.
+    pub fn is_meant_for(&self, place: &Place) -> bool {
+        // The registry knows the area; WKT often leaves it out.
+        let Some(area) = SpatialRef::from_definition(&self.label)
+            .ok()
+            .and_then(|reference| reference.area_of_use())
+        else {
+            return true;
+        };
+        let (west, east) = (area.west_lon_degree - 1.0, area.east_lon_degree + 1.0);
+        // An area over the date line ends at a smaller longitude than it begins.
+        let longitude = place.longitude_deg;
+        let along = if west < east {
+            (west..=east).contains(&longitude)
+        } else {
+            longitude >= west || longitude <= east
+        };
+        let latitudes = area.south_lat_degree - 1.0..=area.north_lat_degree + 1.0;
+        along && latitudes.contains(&place.latitude_deg)
+    }
+
     /// Where on the globe a point of this CRS lies, and the turn of grid north there
     /// (by a finite difference of one kilometre).
     pub fn place_of(&self, point: DVec2) -> Result<Place, CrsError> {

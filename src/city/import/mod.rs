@@ -13,6 +13,7 @@ mod options;
 mod photos;
 mod plan;
 mod progress;
+mod remarks;
 mod sources;
 mod terrain;
 
@@ -21,6 +22,7 @@ use options::{check_numbers, recipe, refuse_inputs_inside};
 use photos::make_photos;
 use plan::{Plan, left_out};
 use progress::progress;
+use remarks::remarks;
 use sources::Sources;
 use terrain::make_terrain;
 
@@ -69,7 +71,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         warnings.push(format!(
             "no height field named: every building is {} m high; choose one with --height-field, --storeys-field or --roof-field (the file's fields: {})",
             options.default_height_m,
-            fields.join(", ")
+            if fields.is_empty() { "none".to_owned() } else { fields.join(", ") }
         ));
     }
     let mut map = MapWriter::create(&folder.join("buildings.gpkg"), &sources.crs)?;
@@ -119,9 +121,8 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     }
     let (building_map_bytes, building_tiles) = make_building_maps(&buildings, &plan, folder, &keys)?;
     let (photo_side, photo_tiles) = make_photos(&sources, &plan, folder, &keys)?;
-    if photo_tiles == 0 && !options.photos.is_empty() {
-        warnings.push("no photo lies on the city: check the photos' place and --photo-crs".to_owned());
-    }
+    let place = sources.crs.place_of(plan.grid.bounds().centre())?;
+    warnings.extend(remarks(&sources, &plan.grid.bounds(), &place)?);
     map.finish()?;
 
     let manifest = Manifest {
@@ -153,7 +154,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             .iter()
             .map(|building| triangle_bytes(&building.outline))
             .sum(),
-        place: sources.crs.place_of(plan.grid.bounds().centre())?,
+        place,
         grid: plan.grid,
         height_rule: rule,
         sources: recipe.records,

@@ -56,6 +56,12 @@ impl Plan {
                 built = built.union(&bounds);
             }
         }
+        if report.read == 0 {
+            return Err(CityError::Unfit {
+                what: format!("{}: its layer holds no features", options.buildings.display()),
+                advice: "give the file that has the footprints, or another --layer".to_owned(),
+            });
+        }
         let bounds = built.grown(options.margin_m).intersection(&terrain);
         if bounds.is_empty() {
             return Err(CityError::Unfit {

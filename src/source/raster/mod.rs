@@ -2,6 +2,8 @@
 
 mod dtm;
 mod photo;
+mod sampler;
+mod sheet;
 mod window;
 
 pub use dtm::{Dtm, DtmSampler};

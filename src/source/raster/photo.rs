@@ -21,6 +21,8 @@ struct PhotoFile {
     bounds: Bounds,
     pixel_m: f64,
     bands: usize,
+    /// One band of indices into a colour table.
+    is_paletted: bool,
     /// Value range that becomes 0..255, for photos deeper than 8 bits.
     stretch: Option<[f64; 2]>,
     assumed_srs: Option<String>,
@@ -47,6 +49,12 @@ impl Photos {
     /// True when a photo may cover part of the rectangle.
     pub fn meet(&self, bounds: &Bounds) -> bool {
         self.files.iter().any(|file| file.bounds.meets(bounds))
+    }
+
+    /// Files that lie nowhere in a rectangle of the city.
+    pub fn files_outside(&self, bounds: &Bounds) -> impl Iterator<Item = &Path> {
+        let files = self.files.iter().filter(|file| !file.bounds.meets(bounds));
+        files.map(|file| file.path.as_path())
     }
 
     /// Warps all photos that meet the rectangle into `side` x `side` RGBA pixels, rows from the north.
@@ -90,6 +98,10 @@ impl PhotoFile {
                 advice: "give an aerial photo".to_owned(),
             });
         }
+        let is_paletted = bands < 3
+            && dataset
+                .rasterband(1)
+                .is_ok_and(|band| band.color_table().is_some());
         let to_city = PointTransform::new(&crs, city).map_err(crs_error)?;
         let mut bounds = Bounds::EMPTY;
         for step in 0..4 * 17 {
@@ -111,6 +123,7 @@ impl PhotoFile {
             pixel_m: (bounds.width() / width as f64).min(bounds.height() / height as f64),
             bounds,
             bands,
+            is_paletted,
             stretch,
             assumed_srs,
         })
@@ -129,7 +142,12 @@ impl PhotoFile {
         };
         let gdal_error = |error: gdal::errors::GdalError| read_error(error.to_string());
         let source = Dataset::open(&self.path).map_err(gdal_error)?;
-        let colours = if self.bands >= 3 { 3 } else { 1 };
+        let source = if self.is_paletted {
+            in_colour(&source).map_err(read_error)?
+        } else {
+            source
+        };
+        let colours = if self.bands >= 3 || self.is_paletted { 3 } else { 1 };
         let pixel_m = bounds.width() / side as f64;
         let mut options = vec!["-of".into(), "MEM".into(), "-dstalpha".into()];
         options.extend([
@@ -202,16 +220,55 @@ fn stretch(dataset: &Dataset) -> Result<Option<[f64; 2]>, gdal::errors::GdalErro
     })
 }
 
-/// `gdalwarp` on open datasets into memory.
-fn warp(source: &Dataset, options: &[String]) -> Result<Dataset, String> {
-    DriverManager::register_all();
+/// `gdal_translate -expand rgba` into memory: colours can be averaged, indices into a table cannot.
+fn in_colour(source: &Dataset) -> Result<Dataset, String> {
+    let options = ["-of", "MEM", "-expand", "rgba"].map(str::to_owned);
+    let (_texts, mut pointers) = c_strings(&options)?;
+    let destination = CString::default();
+    // SAFETY: every pointer outlives the call; the returned handle is checked and owned by `Dataset`.
+    unsafe {
+        let parsed = gdal_sys::GDALTranslateOptionsNew(pointers.as_mut_ptr(), std::ptr::null_mut());
+        if parsed.is_null() {
+            return Err("gdal_translate refused its options".to_owned());
+        }
+        let mut usage_error = 0;
+        let made =
+            gdal_sys::GDALTranslate(destination.as_ptr(), source.c_dataset(), parsed, &mut usage_error);
+        gdal_sys::GDALTranslateOptionsFree(parsed);
+        owned(made)
+    }
+}
+
+/// Options as GDAL wants them: texts, and pointers to them with a null at the end.
+fn c_strings(options: &[String]) -> Result<(Vec<CString>, Vec<*mut std::ffi::c_char>), String> {
     let texts = options
         .iter()
         .map(|option| CString::new(option.as_str()).map_err(|error| error.to_string()))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut pointers: Vec<*mut std::ffi::c_char> =
-        texts.iter().map(|text| text.as_ptr().cast_mut()).collect();
+    let mut pointers: Vec<_> = texts.iter().map(|text| text.as_ptr().cast_mut()).collect();
     pointers.push(std::ptr::null_mut());
+    Ok((texts, pointers))
+}
+
+/// A dataset that GDAL made, or what it says went wrong.
+///
+/// # Safety
+/// The handle is null or a dataset that nobody else closes.
+unsafe fn owned(made: gdal_sys::GDALDatasetH) -> Result<Dataset, String> {
+    // SAFETY: GDAL's last message is a valid string until the next call; the handle is the caller's promise.
+    unsafe {
+        if made.is_null() {
+            let message = std::ffi::CStr::from_ptr(gdal_sys::CPLGetLastErrorMsg());
+            return Err(message.to_string_lossy().into_owned());
+        }
+        Ok(Dataset::from_c_dataset(made))
+    }
+}
+
+/// `gdalwarp` on open datasets into memory.
+fn warp(source: &Dataset, options: &[String]) -> Result<Dataset, String> {
+    DriverManager::register_all();
+    let (_texts, mut pointers) = c_strings(options)?;
     let destination = CString::default();
     let mut handles = [source.c_dataset()];
     // SAFETY: every pointer outlives the call; the returned handle is checked and owned by `Dataset`.
@@ -230,10 +287,6 @@ fn warp(source: &Dataset, options: &[String]) -> Result<Dataset, String> {
             &mut usage_error,
         );
         gdal_sys::GDALWarpAppOptionsFree(parsed);
-        if warped.is_null() {
-            let message = std::ffi::CStr::from_ptr(gdal_sys::CPLGetLastErrorMsg());
-            return Err(message.to_string_lossy().into_owned());
-        }
-        Ok(Dataset::from_c_dataset(warped))
+        owned(warped)
     }
 }

@@ -1,7 +1,9 @@
 //! Mends outlines: duplicate points, unclosed and self-crossing rings, zero area, orientation.
 
 use gdal::vector::{Geometry, OGRwkbGeometryType};
-use geo::{Area, Coord, LineString, MultiPolygon, Orient, Polygon, Validation, orient::Direction};
+use geo::{
+    Area, BoundingRect, Coord, LineString, MultiPolygon, Orient, Polygon, Validation, orient::Direction,
+};
 
 use super::outline::Outline;
 
@@ -78,8 +80,15 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
     if multi.0.is_empty() {
         return Err("an outline without area");
     }
+    let extent = multi.bounding_rect();
+    if extent.is_some_and(|extent| extent.width().max(extent.height()) > MOST_EXTENT_M) {
+        return Err("wider than 50 km: broken coordinates, or no building");
+    }
     Ok((multi.orient(Direction::Default), report))
 }
+
+/// Widest believable building, metres.
+const MOST_EXTENT_M: f64 = 50_000.0;
 
 /// Outlines beyond this are tested by GEOS, whose cost does not grow with the square of the vertices.
 const MANY_VERTICES: usize = 1000;
@@ -185,6 +194,7 @@ mod tests {
     fn two_points_and_flat_rings_are_refused() {
         assert!(clean_outline(&outline(&[(0., 0.), (1., 1.), (0., 0.)])).is_err());
         assert!(clean_outline(&outline(&[(0., 0.), (1., 0.), (2., 0.)])).is_err());
+        assert!(clean_outline(&outline(&[(0., 0.), (1e12, 0.), (0., 1e12)])).is_err());
         assert!(clean_outline(&outline(&[(0., 0.), (f64::NAN, 0.), (2., 0.)])).is_err());
     }
 }

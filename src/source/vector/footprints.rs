@@ -313,10 +313,12 @@ impl FootprintSource {
             return Ok(Some(FieldPlace::OtherTags(index)));
         }
         let names: Vec<String> = defn.fields().map(|field| field.name()).collect();
-        Err(self.unfit(
-            format!("has no field '{name}'"),
-            format!("its fields are {}", names.join(", ")),
-        ))
+        let advice = if names.is_empty() {
+            "it has no fields at all: a shapefile needs its .dbf beside it".to_owned()
+        } else {
+            format!("its fields are {}", names.join(", "))
+        };
+        Err(self.unfit(format!("has no field '{name}'"), advice))
     }
 
     fn raw(

@@ -1,0 +1,223 @@
+//! One sheet of terrain opened for reading: heights on a lattice of the city, bilinear in the file's own pixels.
+
+use std::path::Path;
+
+use gdal::raster::ResampleAlg;
+use gdal::{Dataset, GeoTransformEx};
+use glam::DVec2;
+
+use super::sheet::{Sheet, SheetFile, open_raster};
+use super::window::Window;
+use crate::source::SourceError;
+use crate::space::{Crs, PointTransform};
+
+/// Lowest and highest believable ground, metres; beyond lie sentinels such as -32768 and 3.4e38.
+const BELIEVABLE_M: std::ops::Range<f64> = -12_000.0..9_000.0;
+
+/// What many writers put for missing ground without declaring it.
+const UNDECLARED_NO_DATA: f64 = -9999.0;
+
+/// Most pixels read at a time for one tile (64 MiB of f32).
+const MOST_PIXELS: usize = 1 << 24;
+
+/// Samples between two points where the transformation to the file's CRS is computed exactly.
+const TRANSFORM_STEP: usize = 16;
+
+/// One sheet opened, with the way from the city's CRS to its pixels.
+pub struct SheetSampler {
+    sheet: Sheet,
+    files: Vec<OpenFile>,
+    file_from_city: PointTransform,
+}
+
+/// One file of a sheet.
+struct OpenFile {
+    dataset: Dataset,
+    place: SheetFile,
+    no_data: Option<f64>,
+    scale: f64,
+    offset: f64,
+}
+
+impl SheetSampler {
+    pub fn open(sheet: &Sheet, city: &Crs) -> Result<Self, SourceError> {
+        let files = sheet
+            .files
+            .iter()
+            .map(|place| {
+                let dataset = open_raster(&place.path)?;
+                let band = dataset.rasterband(1).map_err(|e| damaged(&place.path, &e))?;
+                Ok(OpenFile {
+                    no_data: band.no_data_value(),
+                    scale: band.scale().unwrap_or(1.0) * sheet.metres_per_unit,
+                    offset: band.offset().unwrap_or(0.0) * sheet.metres_per_unit,
+                    place: place.clone(),
+                    dataset,
+                })
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            file_from_city: PointTransform::new(city, &sheet.crs)
+                .map_err(|source| sheet.crs_error(source))?,
+            sheet: sheet.clone(),
+            files,
+        })
+    }
+
+    pub fn fill_lattice(
+        &mut self,
+        origin: DVec2,
+        step: f64,
+        first: [i64; 2],
+        size: [usize; 2],
+        heights: &mut [f32],
+    ) -> Result<(), SourceError> {
+        let pixels = self.pixel_coordinates(origin, step, first, size);
+        let Some((low, high)) = self.window_of(&pixels) else {
+            return Ok(());
+        };
+        // A tile of a very fine raster is read in bands of rows that fit in memory.
+        let window_pixels = (high[0] - low[0]) * (high[1] - low[1]);
+        if window_pixels > MOST_PIXELS && size[1] > 1 {
+            let half = size[1] / 2;
+            let (south, north) = heights.split_at_mut(half * size[0]);
+            self.fill_lattice(origin, step, first, [size[0], half], south)?;
+            return self.fill_lattice(
+                origin,
+                step,
+                [first[0], first[1] + half as i64],
+                [size[0], size[1] - half],
+                north,
+            );
+        }
+        let window = self.read(low, high)?;
+        for (height, pixel) in heights.iter_mut().zip(&pixels) {
+            if height.is_nan() {
+                *height = window.bilinear(pixel.x, pixel.y) as f32;
+            }
+        }
+        Ok(())
+    }
+
+    /// Pixel coordinates of every lattice sample. The transformation is exact on every 16th sample counted
+    /// from the grid's corner and linear between (off by L²/8R, 0.1 mm for 64 m), so that it depends on the
+    /// place alone and neighbours agree on their common border.
+    fn pixel_coordinates(&self, origin: DVec2, step: f64, first: [i64; 2], size: [usize; 2]) -> Vec<DVec2> {
+        let to_pixel = |point: DVec2| {
+            let (column, row) = self.sheet.pixel_from_ground.apply(point.x, point.y);
+            DVec2::new(column, row)
+        };
+        if self.file_from_city.is_identity() {
+            return (0..size[0] * size[1])
+                .map(|k| {
+                    let (i, j) = (first[0] + (k % size[0]) as i64, first[1] + (k / size[0]) as i64);
+                    to_pixel(origin + DVec2::new(i as f64, j as f64) * step)
+                })
+                .collect();
+        }
+        let stride = TRANSFORM_STEP as i64;
+        let node_first = first.map(|index| index.div_euclid(stride) * stride);
+        let nodes = [0, 1].map(|axis| {
+            let span = first[axis] + size[axis] as i64 - 1 - node_first[axis];
+            (span.div_euclid(stride) + 2) as usize
+        });
+        let (mut xs, mut ys) = (Vec::new(), Vec::new());
+        for k in 0..nodes[0] * nodes[1] {
+            let i = node_first[0] + (k % nodes[0]) as i64 * stride;
+            let j = node_first[1] + (k / nodes[0]) as i64 * stride;
+            xs.push(origin.x + i as f64 * step);
+            ys.push(origin.y + j as f64 * step);
+        }
+        self.file_from_city.points(&mut xs, &mut ys);
+        let node_pixels: Vec<DVec2> = xs
+            .iter()
+            .zip(&ys)
+            .map(|(x, y)| to_pixel(DVec2::new(*x, *y)))
+            .collect();
+        (0..size[0] * size[1])
+            .map(|k| {
+                let split = |index: usize, axis: usize| {
+                    let along =
+                        (first[axis] + index as i64 - node_first[axis]) as f64 / TRANSFORM_STEP as f64;
+                    (along.floor() as usize, along.fract())
+                };
+                let (i, fx) = split(k % size[0], 0);
+                let (j, fy) = split(k / size[0], 1);
+                let node = |i: usize, j: usize| node_pixels[j * nodes[0] + i];
+                let south = node(i, j).lerp(node(i + 1, j), fx);
+                let north = node(i, j + 1).lerp(node(i + 1, j + 1), fx);
+                south.lerp(north, fy)
+            })
+            .collect()
+    }
+
+    /// The block of pixels that bilinear sampling at `pixels` touches, cut to the raster.
+    fn window_of(&self, pixels: &[DVec2]) -> Option<([usize; 2], [usize; 2])> {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for pixel in pixels.iter().filter(|pixel| pixel.is_finite()) {
+            low = low.min(*pixel);
+            high = high.max(*pixel);
+        }
+        let [width, height] = self.sheet.size;
+        let clamp = |value: f64, count: usize| value.clamp(0.0, count as f64) as usize;
+        let first = [clamp(low.x - 1.5, width), clamp(low.y - 1.5, height)];
+        let last = [clamp(high.x + 2.5, width), clamp(high.y + 2.5, height)];
+        (low.x <= high.x && first[0] < last[0] && first[1] < last[1]).then_some((first, last))
+    }
+
+    fn read(&self, low: [usize; 2], high: [usize; 2]) -> Result<Window, SourceError> {
+        let size = [high[0] - low[0], high[1] - low[1]];
+        let mut window = Window {
+            first: low,
+            size,
+            heights: vec![f32::NAN; size[0] * size[1]],
+        };
+        for file in &self.files {
+            file.read_into(&mut window)?;
+        }
+        Ok(window)
+    }
+}
+
+impl OpenFile {
+    /// Lays the file's known pixels over the window.
+    fn read_into(&self, window: &mut Window) -> Result<(), SourceError> {
+        let from = [0, 1].map(|axis| window.first[axis].max(self.place.first[axis]));
+        let to = [0, 1].map(|axis| {
+            (window.first[axis] + window.size[axis]).min(self.place.first[axis] + self.place.size[axis])
+        });
+        if from[0] >= to[0] || from[1] >= to[1] {
+            return Ok(());
+        }
+        let size = (to[0] - from[0], to[1] - from[1]);
+        let corner = [0, 1].map(|axis| (from[axis] - self.place.first[axis]) as isize);
+        let bad = |error: gdal::errors::GdalError| damaged(&self.place.path, &error);
+        let band = self.dataset.rasterband(1).map_err(bad)?;
+        let buffer = band
+            .read_as::<f64>((corner[0], corner[1]), size, size, None::<ResampleAlg>)
+            .map_err(bad)?;
+        for (row, values) in buffer.data().chunks_exact(size.0).enumerate() {
+            let start = (from[1] - window.first[1] + row) * window.size[0] + from[0] - window.first[0];
+            for (height, &value) in window.heights[start..].iter_mut().zip(values) {
+                let metres = value * self.scale + self.offset;
+                let missing = self.no_data.is_some_and(|no_data| is_no_data(value, no_data));
+                if !missing && value != UNDECLARED_NO_DATA && BELIEVABLE_M.contains(&metres) {
+                    *height = metres as f32;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn damaged(path: &Path, error: &gdal::errors::GdalError) -> SourceError {
+    SourceError::Read {
+        path: path.to_owned(),
+        why: error.to_string(),
+    }
+}
+
+/// Nodata tags and values are often rounded differently (f32 and text): compare relatively.
+fn is_no_data(value: f64, no_data: f64) -> bool {
+    value == no_data || value.is_nan() || (value - no_data).abs() <= 1e-6 * no_data.abs()
+}

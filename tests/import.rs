@@ -1,0 +1,162 @@
+//! What an import says of odd sources: each remark names the file and what to do.
+
+mod support;
+
+use std::path::{Path, PathBuf};
+
+use gdal::DriverManager;
+use gdal::raster::{ColorEntry, ColorInterpretation, ColorTable};
+use support::{import_arguments, rilievo, sample, succeed};
+
+/// Imports the sample with changed arguments; what it prints.
+fn import_with(folder: &Path, change: impl FnOnce(&mut Vec<String>)) -> String {
+    let mut arguments = import_arguments(&sample().join("files"), &folder.join("city"));
+    change(&mut arguments);
+    succeed(&arguments)
+}
+
+/// A small raster of 8 x 8 pixels of 8 m, heights or palette indices all 0, with its north-west corner given.
+fn raster(path: PathBuf, epsg: u32, corner: [f64; 2], palette: Option<[i16; 3]>) -> String {
+    let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
+    let mut file = driver.create_with_band_type::<u8, _>(&path, 8, 8, 1).unwrap();
+    file.set_geo_transform(&[corner[0], 8.0, 0.0, corner[1], 0.0, -8.0])
+        .unwrap();
+    file.set_spatial_ref(&gdal::spatial_ref::SpatialRef::from_epsg(epsg).unwrap())
+        .unwrap();
+    if let Some([r, g, b]) = palette {
+        let mut table = ColorTable::new(gdal::raster::PaletteInterpretation::Rgba);
+        table.set_color_entry(0, &ColorEntry::rgba(r, g, b, 255));
+        let mut band = file.rasterband(1).unwrap();
+        band.set_color_table(&table);
+        band.set_color_interpretation(ColorInterpretation::PaletteIndex)
+            .unwrap();
+    }
+    file.close().unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn files_that_lie_elsewhere_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let elsewhere = raster(
+        folder.path().join("elsewhere.tif"),
+        32633,
+        [500_000.0, 100_000.0],
+        None,
+    );
+    let report = import_with(folder.path(), |arguments| {
+        arguments.insert(3, elsewhere.clone());
+        let photo = 1 + arguments
+            .iter()
+            .position(|argument| argument == "--photo")
+            .unwrap();
+        arguments.insert(photo, elsewhere);
+    });
+    assert_eq!(
+        report.matches("elsewhere.tif lies outside the city").count(),
+        2,
+        "{report}"
+    );
+}
+
+#[test]
+fn a_crs_made_for_another_place_is_remarked_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let dutch = |arguments: &mut Vec<String>| arguments.extend(["--crs".to_owned(), "EPSG:28992".to_owned()]);
+    let report = import_with(folder.path(), dutch);
+    assert!(
+        report.contains("outside the area that EPSG:28992 is made for"),
+        "{report}"
+    );
+    let own = import_with(&folder.path().join("own"), |_| ());
+    assert!(!own.contains("outside the area"), "{own}");
+}
+
+#[test]
+fn heights_without_a_unit_in_a_crs_in_feet_are_remarked_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_feet = |arguments: &mut Vec<String>| {
+        let crs = "EPSG:2229".to_owned();
+        arguments.extend([
+            "--terrain-crs".to_owned(),
+            crs.clone(),
+            "--buildings-crs".to_owned(),
+            crs,
+        ]);
+        let photo = arguments
+            .iter()
+            .position(|argument| argument == "--photo")
+            .unwrap();
+        arguments.drain(photo..photo + 5);
+    };
+    let report = import_with(folder.path(), in_feet);
+    assert!(report.contains("terrain.tif is in a CRS in feet"), "{report}");
+    let told = import_with(&folder.path().join("told"), |arguments| {
+        in_feet(arguments);
+        arguments.extend(["--terrain-unit".to_owned(), "0.3048".to_owned()]);
+    });
+    assert!(!told.contains("in a CRS in feet"), "{told}");
+}
+
+#[test]
+fn a_photo_with_a_colour_table_keeps_its_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let corner = [289_400.0, 4_773_100.0];
+    let red = raster(folder.path().join("red.tif"), 32633, corner, Some([200, 30, 10]));
+    import_with(folder.path(), |arguments| {
+        let photo = arguments
+            .iter()
+            .position(|argument| argument == "--photo")
+            .unwrap();
+        arguments.drain(photo + 1..photo + 5);
+        arguments.insert(photo + 1, red);
+    });
+    let mut pixels = 0;
+    for tile in std::fs::read_dir(folder.path().join("city/photo/0")).unwrap() {
+        let photo = gdal::Dataset::open(tile.unwrap().path()).unwrap();
+        let band = |index| photo.rasterband(index).unwrap().read_band_as::<u8>().unwrap();
+        let bands = [band(1), band(2), band(3), band(4)];
+        for (k, alpha) in bands[3].data().iter().enumerate() {
+            if *alpha == 255 {
+                let colour = [0, 1, 2].map(|channel: usize| bands[channel].data()[k]);
+                assert_eq!(colour, [200, 30, 10]);
+                pixels += 1;
+            }
+        }
+    }
+    assert!(pixels >= 64, "{pixels}");
+}
+
+#[test]
+fn an_empty_layer_is_refused_as_empty() {
+    let folder = tempfile::tempdir().unwrap();
+    let empty = folder.path().join("empty.gpkg");
+    let driver = DriverManager::get_driver_by_name("GPKG").unwrap();
+    let mut file = driver.create_vector_only(&empty).unwrap();
+    file.create_layer(gdal::vector::LayerOptions {
+        name: "houses",
+        srs: Some(&gdal::spatial_ref::SpatialRef::from_epsg(32633).unwrap()),
+        ty: gdal::vector::OGRwkbGeometryType::wkbPolygon,
+        ..Default::default()
+    })
+    .unwrap();
+    file.close().unwrap();
+    let mut arguments = import_arguments(&sample().join("files"), &folder.path().join("city"));
+    let buildings = 1 + arguments
+        .iter()
+        .position(|argument| argument == "--buildings")
+        .unwrap();
+    arguments[buildings] = empty.display().to_string();
+    let heights = arguments
+        .iter()
+        .position(|argument| argument == "--height-field")
+        .unwrap();
+    arguments.drain(heights..heights + 2);
+    let output = rilievo(&arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        message.contains("empty.gpkg: its layer holds no features"),
+        "{message}"
+    );
+}
