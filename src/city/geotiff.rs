@@ -95,6 +95,9 @@ pub fn write(path: &Path, pages: &[Page], keys: &GeoKeys) -> Result<(), CityErro
     std::fs::rename(&partial, path).map_err(CityError::file(path))
 }
 
+/// TIFF 6.0, section 18: the fourth channel is alpha, and the colours are not multiplied by it.
+const UNASSOCIATED_ALPHA: u16 = 2;
+
 fn write_page<C: ColorType, W: Write + std::io::Seek>(
     encoder: &mut TiffEncoder<W>,
     page: &Page,
@@ -106,6 +109,9 @@ where
 {
     let [width, height] = page.size.map(|count| count as u32);
     let mut image = encoder.new_image::<C>(width, height)?;
+    if matches!(page.pixels, Pixels::Rgba(_)) {
+        image.encoder().write_tag(Tag::ExtraSamples, &[UNASSOCIATED_ALPHA][..])?;
+    }
     if let Some([west, north, pixel_m]) = page.georeference {
         let directory = image.encoder();
         directory.write_tag(Tag::ModelPixelScaleTag, &[pixel_m, pixel_m, 0.0][..])?;
