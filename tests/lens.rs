@@ -190,6 +190,65 @@ fn the_literal_inverse_is_the_wrong_sign() {
     );
 }
 
+/// Figures of the Python package tmm 0.2.0 (Byrnes, coherent transfer matrices), mean of both polarisations: index before, films
+/// (index, nanometres), index behind, degrees, micrometres, reflectance.
+#[test]
+fn reflectance_agrees_with_an_independent_transfer_matrix() {
+    type Row<'a> = (f64, &'a [(f64, f64)], f64, f64, f64, f64);
+    let rows: [Row<'_>; 8] = [
+        (1.0, &[(1.38, 99.6)], 1.5168, 30.0, 0.55, 0.014063335516),
+        (1.0, &[(1.38, 99.6)], 1.62, 0.0, 0.65, 0.009497616829),
+        (1.62, &[(1.38, 99.6)], 1.0, 25.0, 0.475, 0.010751800335),
+        (
+            1.0,
+            &[(1.38, 95.0), (2.1, 130.0), (1.65, 80.0)],
+            1.5168,
+            45.0,
+            0.51,
+            0.009852038308,
+        ),
+        (
+            1.7847,
+            &[(1.65, 80.0), (2.1, 130.0), (1.38, 95.0)],
+            1.0,
+            20.0,
+            0.6,
+            0.001776641234,
+        ),
+        (
+            1.0,
+            &[(1.46, 94.0), (2.35, 58.5)],
+            1.5168,
+            60.0,
+            0.48,
+            0.079886569275,
+        ),
+        // Total reflection that a thin film lets through, and that none does.
+        (1.5168, &[(1.2, 3.0)], 1.0, 40.0, 0.55, 0.305892698091),
+        (1.5168, &[(1.38, 120.0)], 1.0, 50.0, 0.55, 1.0),
+    ];
+    for (before, films, behind, degrees, wavelength_um, expected) in rows {
+        let films: Vec<Layer> = films
+            .iter()
+            .map(|&(index, nm)| Layer {
+                index,
+                thickness_um: nm * 1e-3,
+            })
+            .collect();
+        let share = reflectance(
+            before,
+            &films,
+            behind,
+            f64::to_radians(degrees).cos(),
+            wavelength_um,
+        );
+        assert!(
+            (share - expected).abs() < 1e-9,
+            "{films:?}: {share} and {expected}"
+        );
+    }
+}
+
 /// Fresnel at normal incidence; a quarter wave's closed form; Brewster's angle; nothing lost at equal indices.
 #[test]
 fn reflectance_obeys_the_closed_forms() {

@@ -110,7 +110,9 @@ where
     let [width, height] = page.size.map(|count| count as u32);
     let mut image = encoder.new_image::<C>(width, height)?;
     if matches!(page.pixels, Pixels::Rgba(_)) {
-        image.encoder().write_tag(Tag::ExtraSamples, &[UNASSOCIATED_ALPHA][..])?;
+        image
+            .encoder()
+            .write_tag(Tag::ExtraSamples, &[UNASSOCIATED_ALPHA][..])?;
     }
     if let Some([west, north, pixel_m]) = page.georeference {
         let directory = image.encoder();
