@@ -5,6 +5,7 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::buildings::{OutlineVertex, RoofRecord};
+use rilievo::camera::{BundleRecord, InterfaceRecord, RayRecord};
 use rilievo::relief::FrameUniforms;
 use rilievo::scene::{GroundTile, TileSlot};
 
@@ -118,6 +119,51 @@ fn records_are_laid_out_alike_on_both_sides() {
         "GroundTile",
         GroundTile,
         ["tile" = tile, "layer" = layer, "padding" = padding]
+    );
+    same_layout!(
+        "Interface",
+        InterfaceRecord,
+        [
+            "gap_mm" = gap_mm,
+            "curvature" = curvature,
+            "conic" = conic,
+            "clear_mm" = clear_mm,
+            "index_before" = index_before,
+            "index_after" = index_after,
+            "flags" = flags,
+            "first_film" = first_film,
+            "film_count" = film_count,
+            "first_term" = first_term,
+            "term_count" = term_count,
+            "padding" = padding,
+        ]
+    );
+    same_layout!(
+        "Bundle",
+        BundleRecord,
+        [
+            "low_mm" = low_mm,
+            "high_mm" = high_mm,
+            "direction" = direction,
+            "sensor_gap_mm" = sensor_gap_mm,
+            "wavelength_um" = wavelength_um,
+            "first" = first,
+            "count" = count,
+            "side" = side,
+            "padding" = padding,
+        ]
+    );
+    same_layout!(
+        "TracedRay",
+        RayRecord,
+        [
+            "sensor_mm" = sensor_mm,
+            "stop_mm" = stop_mm,
+            "relative_height" = relative_height,
+            "relative_stop" = relative_stop,
+            "power" = power,
+            "padding" = padding,
+        ]
     );
 }
 

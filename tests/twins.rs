@@ -3,8 +3,11 @@
 
 mod support;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use rilievo::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in};
+use rilievo::camera::{Bundle, Paraxial, RayPass, Tracer, beam_direction, single_crossing_ghosts};
 use rilievo::city::City;
+use rilievo::gpu::Gpu;
 use rilievo::output::{PictureRequest, Renderer};
 use rilievo::relief::{CpuMap, Light, ReliefMode};
 use rilievo::scene::TerrainMesh;
@@ -52,5 +55,81 @@ fn cpu_and_gpu_walks_agree() {
         println!("{name}: {differing} of {hits} differ");
         assert!(hits > 1000, "{name} shows too few buildings");
         assert!(differing * 1000 <= hits, "{name}: {differing} of {hits} differ");
+    }
+}
+
+/// Grids of rays over a lens's front, for all its ghosts in two colours.
+fn bundles(lens: &Lens, angle_deg: f64, reach_mm: f64) -> Vec<Bundle> {
+    let ghosts = single_crossing_ghosts(lens);
+    let ways = std::iter::once(None).chain(ghosts.into_iter().map(Some));
+    ways.flat_map(|ghost| {
+        [0.475, 0.65].map(|wavelength_um| Bundle {
+            ghost,
+            wavelength_um,
+            angle: f64::to_radians(angle_deg),
+            low: DVec2::splat(-reach_mm),
+            high: DVec2::new(reach_mm, 0.9 * reach_mm),
+        })
+    })
+    .collect()
+}
+
+/// The lens tracer in f32 on the GPU and in f64 on the CPU, all built-in lenses and ghosts: rays that pass, in pixels of a
+/// picture 1280 wide.
+#[test]
+fn cpu_and_gpu_rays_through_lenses_agree() {
+    const SIDE: usize = 15;
+    let gpu = Gpu::open().unwrap();
+    let pass = RayPass::new(&gpu);
+    for (name, _) in BUILT_IN {
+        let lens = built_in(name).unwrap().unwrap();
+        let gap = Paraxial::new(&lens, D_LINE_UM, None).sensor_gap_mm();
+        let pixel_mm = lens.film_mm[0] / 1280.0;
+        let front_mm = lens.clear_radius(0).min(30.0);
+        let (mut off_px, mut one_sided, mut power_off) = (Vec::new(), 0, 0.0_f64);
+        for angle_deg in [0.0, 5.0, 15.0] {
+            let bundles = bundles(&lens, angle_deg, front_mm);
+            let grids = pass.trace(&gpu, &lens, gap, &bundles, SIDE).unwrap();
+            assert_eq!(grids.len(), bundles.len());
+            for (bundle, grid) in bundles.iter().zip(&grids) {
+                let tracer = Tracer::new(&lens, bundle.wavelength_um, gap);
+                for (k, on_gpu) in grid.iter().enumerate() {
+                    let share = DVec2::new((k % SIDE) as f64, (k / SIDE) as f64) / (SIDE - 1) as f64;
+                    let entry = bundle.low + (bundle.high - bundle.low) * share;
+                    let on_cpu = tracer.trace(bundle.ghost, entry, beam_direction(bundle.angle));
+                    // Rays that the barrel holds may graze a surface, where f32 cannot follow.
+                    let Some(on_cpu) = on_cpu.filter(|ray| ray.relative_height <= 1.0) else {
+                        continue;
+                    };
+                    let Some(on_gpu) = on_gpu else {
+                        one_sided += 1;
+                        continue;
+                    };
+                    off_px.push(on_cpu.sensor_mm.distance(on_gpu.sensor_mm) / pixel_mm);
+                    assert!(
+                        on_cpu.stop_mm.distance(on_gpu.stop_mm) < 0.01,
+                        "{name}: {bundle:?}"
+                    );
+                    assert!((on_cpu.relative_height - on_gpu.relative_height).abs() < 1e-3);
+                    assert!((on_cpu.relative_stop - on_gpu.relative_stop).abs() < 1e-3);
+                    power_off = power_off.max((on_cpu.power - on_gpu.power).abs() / on_cpu.power.max(1e-9));
+                }
+            }
+        }
+        off_px.sort_by(f64::total_cmp);
+        let mean = off_px.iter().sum::<f64>() / off_px.len() as f64;
+        let p99 = off_px[off_px.len() * 99 / 100];
+        println!(
+            "{name}: {} rays, mean {mean:.5} px, p99 {p99:.5} px, most {:.4} px, power off by {power_off:.1e}",
+            off_px.len(),
+            off_px[off_px.len() - 1]
+        );
+        assert!(off_px.len() > 1000, "{name}: only {} rays pass", off_px.len());
+        assert!(mean < 0.05 && p99 < 1.0, "{name}: mean {mean}, p99 {p99} px");
+        assert!(
+            one_sided * 1000 <= off_px.len(),
+            "{name}: {one_sided} rays lost on the GPU alone"
+        );
+        assert!(power_off < 0.02, "{name}: {power_off}");
     }
 }

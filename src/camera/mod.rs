@@ -3,6 +3,7 @@
 //! ```text
 //! lens ─▶ path ─▶ paraxial ─┐
 //!               └▶ trace ───┴▶ diagram, flare
+//!                   └▶ rays (its twin on the GPU, many at once)
 //! radiance ─▶ flare ─▶ develop ─▶ picture
 //! ```
 
@@ -12,6 +13,7 @@ pub mod flare;
 pub mod lens;
 mod paraxial;
 mod path;
+mod rays;
 mod shaders;
 mod trace;
 
@@ -21,5 +23,6 @@ pub use paraxial::{
     Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
 };
 pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
+pub use rays::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
 pub use trace::{TracedRay, Tracer, beam_direction};

@@ -32,5 +32,11 @@ pub const STARBURST: ShaderSource = ShaderSource {
     texts: &[text!("camera/starburst.wgsl")],
 };
 
+/// Grids of rays.
+pub const RAYS: ShaderSource = ShaderSource {
+    name: "camera/rays.wgsl",
+    texts: &[text!("lib/trace.wgsl"), text!("camera/rays.wgsl")],
+};
+
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 4] = [ACCUMULATE, TONEMAP, FLARE, STARBURST];
+pub const ALL: [ShaderSource; 5] = [ACCUMULATE, TONEMAP, FLARE, STARBURST, RAYS];

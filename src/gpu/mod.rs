@@ -8,7 +8,7 @@ mod timing;
 mod upload;
 
 pub use device::{Gpu, GpuError};
-pub use readback::read_texture;
+pub use readback::{read_buffer, read_texture};
 pub use shader::{ShaderSource, shader_module};
 pub use target::{Target, color_target, fullscreen_pipeline};
 pub use timing::PassTimer;

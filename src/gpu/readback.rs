@@ -1,4 +1,4 @@
-//! Copies a texture back to memory.
+//! Copies textures and buffers back to memory.
 
 use super::{Gpu, GpuError};
 
@@ -35,4 +35,21 @@ pub fn read_texture<T: bytemuck::Pod>(gpu: &Gpu, texture: &wgpu::Texture) -> Res
         .chunks_exact(padded as usize)
         .flat_map(|row| bytemuck::pod_collect_to_vec::<u8, T>(&row[..row_bytes as usize]))
         .collect())
+}
+
+/// All records of a buffer that can be copied from. Waits for the device.
+pub fn read_buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
+    let read = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read-back"),
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &read, 0, buffer.size());
+    gpu.queue.submit([encoder.finish()]);
+    read.map_async(wgpu::MapMode::Read, .., |_| {});
+    gpu.wait()?;
+    let bytes = read.get_mapped_range(..).map_err(|error| gpu.failed(error))?;
+    Ok(bytemuck::pod_collect_to_vec(&bytes))
 }
