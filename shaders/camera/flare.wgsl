@@ -19,6 +19,7 @@ struct GhostVertex {
     @location(0) stop: vec2<f32>,
     @location(1) barrel: vec2<f32>,
     @location(2) radiance: vec3<f32>,
+    @location(3) opacity: f32,
 }
 
 @vertex
@@ -27,8 +28,9 @@ fn vs(
     @location(1) stop: vec2<f32>,
     @location(2) barrel: vec2<f32>,
     @location(3) radiance: vec3<f32>,
+    @location(4) opacity: f32,
 ) -> GhostVertex {
-    return GhostVertex(vec4<f32>(sensor_mm / flare.half_mm, 0.0, 1.0), stop, barrel, radiance);
+    return GhostVertex(vec4<f32>(sensor_mm / flare.half_mm, 0.0, 1.0), stop, barrel, radiance, opacity);
 }
 
 @fragment
@@ -37,5 +39,5 @@ fn fs(in: GhostVertex) -> @location(0) vec4<f32> {
     // The barrel's edge, one pixel soft.
     let height = length(in.barrel);
     let soft = clamp((1.0 - height) / max(fwidth(height), 1.0e-6) + 0.5, 0.0, 1.0);
-    return vec4<f32>(in.radiance * open * soft * flare.scale, 0.0);
+    return vec4<f32>(in.radiance * open * soft * flare.scale, in.opacity * open * soft);
 }

@@ -26,10 +26,10 @@ pub const FLARE: ShaderSource = ShaderSource {
     texts: &[text!("camera/flare.wgsl")],
 };
 
-/// The sun's image with its starburst.
-pub const STARBURST: ShaderSource = ShaderSource {
-    name: "camera/starburst.wgsl",
-    texts: &[text!("camera/starburst.wgsl")],
+/// An image laid on the film.
+pub const SPRITE: ShaderSource = ShaderSource {
+    name: "camera/sprite.wgsl",
+    texts: &[text!("camera/sprite.wgsl")],
 };
 
 /// Grids of rays.
@@ -39,4 +39,4 @@ pub const RAYS: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 5] = [ACCUMULATE, TONEMAP, FLARE, STARBURST, RAYS];
+pub const ALL: [ShaderSource; 5] = [ACCUMULATE, TONEMAP, FLARE, SPRITE, RAYS];

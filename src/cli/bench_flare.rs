@@ -4,11 +4,11 @@ use serde_json::{Value, json};
 
 use super::CommandError;
 use super::bench::median;
-use crate::camera::flare::{Aperture, FlareMode, FlareSource, FlareTable};
+use crate::camera::flare::{Aperture, Blend, Fit, FlareMode, FlareRecipe, FlareSource, FlareTable, Pattern};
 use crate::camera::lens::{BUILT_IN, built_in};
 use crate::camera::single_crossing_ghosts;
 use crate::gpu::Gpu;
-use crate::output::{RenderError, flare_picture};
+use crate::output::{FlareRenderer, RenderError};
 
 /// The f-number of all.
 const F_NUMBER: f64 = 8.0;
@@ -18,7 +18,7 @@ const RAYS: usize = 40;
 /// Times every lens in every mode: triangles, milliseconds to make them, milliseconds on the GPU.
 pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> {
     let gpu = Gpu::open().map_err(RenderError::from)?;
-    let aperture = Aperture::default();
+    let renderer = FlareRenderer::new(&gpu, &Aperture::default());
     let mut rows: Vec<Value> = Vec::new();
     if !json {
         say!("{}, {} x {} pixels", gpu.adapter_name, size[0], size[1]);
@@ -38,7 +38,8 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         let lens = lens?;
         let ghosts = single_crossing_ghosts(&lens).len();
         let start = std::time::Instant::now();
-        let table = FlareTable::bake(&lens, F_NUMBER, super::lens_flare::most_angle(&lens));
+        let most_angle = super::lens_flare::most_angle(&lens);
+        let table = FlareTable::bake(&lens, F_NUMBER, most_angle).map_err(RenderError::from)?;
         let bake_ms = start.elapsed().as_secs_f64() * 1e3;
         for mode in [FlareMode::Paraxial, FlareMode::Blended, FlareMode::Exact] {
             let source = FlareSource {
@@ -53,7 +54,18 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
             let mut times = Vec::new();
             let mut triangles = 0;
             for _ in 0..frames {
-                let picture = flare_picture(&gpu, &lens, &source, mode, None, Some(&table), &aperture, size)?;
+                let recipe = FlareRecipe {
+                    lens: &lens,
+                    source,
+                    mode,
+                    only: None,
+                    pattern: Pattern::Whole,
+                    table: Some(&table),
+                    blend: Blend::Add,
+                    fit: Fit::default(),
+                    tracing: renderer.tracing(),
+                };
+                let picture = renderer.picture(&recipe, None, size)?;
                 triangles = picture.triangles;
                 times.push((picture.mesh_ms, picture.gpu_ms));
             }

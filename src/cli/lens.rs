@@ -50,6 +50,8 @@ pub enum LensCommand {
     },
     /// A picture of the flare of the sun.
     Flare(super::lens_flare::FlareArgs),
+    /// The nonlinear ghosts recorded beforehand: traced, drawn, or from photos.
+    Bake(super::lens_bake::BakeArgs),
     /// All two-reflection ghosts with their matrices.
     Ghosts {
         /// A built-in name or a file.
@@ -102,6 +104,7 @@ pub fn run(command: LensCommand) -> Result<(), CommandError> {
             Ok(())
         }
         LensCommand::Flare(args) => super::lens_flare::run(&args),
+        LensCommand::Bake(args) => super::lens_bake::run(&args),
         LensCommand::Ghosts { lens, json } => list_ghosts(&open(&lens)?, json),
         LensCommand::Trace {
             lens,

@@ -5,12 +5,15 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::CommandError;
+use super::flare_flags::FlareFlags;
 use super::lens_flags::ghost_of;
-use crate::camera::Paraxial;
-use crate::camera::flare::{Aperture, FlareMode, FlareSource, FlareTable};
+use crate::camera::flare::{
+    Aperture, FlareMode, FlareRecipe, FlareSource, Pattern, Quality, TableFile, Tracing, open_table,
+};
 use crate::camera::lens::{D_LINE_UM, Lens, open};
+use crate::camera::{Paraxial, single_crossing_ghosts};
 use crate::gpu::Gpu;
-use crate::output::{auto_exposure, developed, flare_picture, write_png, write_radiance};
+use crate::output::{FlareRenderer, RenderError, auto_exposure, developed, write_png, write_radiance};
 
 /// Flags of `lens flare`.
 #[derive(Debug, clap::Args)]
@@ -23,21 +26,26 @@ pub struct FlareArgs {
     /// The f-number.
     #[arg(long, value_parser = super::lens_flags::f_number)]
     f_number: f64,
-    /// How ghosts are made.
-    #[arg(long, value_enum, default_value = "paraxial")]
-    mode: FlareMode,
+    #[command(flatten)]
+    flare: FlareFlags,
     /// Bake the blended mode's table first and draw from it, instead of tracing for this one angle.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "flare_table")]
     table: bool,
+    /// Trace rays on the CPU in f64, not on the GPU in f32.
+    #[arg(long)]
+    cpu: bool,
+    /// Draw every ghost alone in a cell of its own.
+    #[arg(long, conflicts_with_all = ["ghost", "linear"])]
+    sheet: bool,
     /// Draw this ghost alone: I,J.
     #[arg(long, value_parser = super::lens_flags::pair)]
     ghost: Option<[usize; 2]>,
-    /// Wavelengths: 3, or more for colour fringes.
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(3..=64))]
-    wavelengths: u32,
-    /// Rays along a side of a traced ghost's grid.
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1024))]
-    rays: u32,
+    /// Wavelengths: 3, or more for colour fringes [default: the quality's].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(3..=64))]
+    wavelengths: Option<u32>,
+    /// Rays along a side of a traced ghost's grid [default: the quality's].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=1024))]
+    rays: Option<u32>,
     /// Draw over the whole front of the lens, not the effective pupil alone: the same picture by more work.
     #[arg(long)]
     whole_entrance: bool,
@@ -53,19 +61,6 @@ pub struct FlareArgs {
     /// Linear radiance for a sun of irradiance 1 (f32 TIFF).
     #[arg(long)]
     linear: Option<PathBuf>,
-}
-
-/// Bakes a lens's table to beyond the corner of its film, and says how large it is.
-fn bake(lens: &Lens, f_number: f64) -> FlareTable {
-    let start = std::time::Instant::now();
-    let table = FlareTable::bake(lens, f_number, most_angle(lens));
-    say!(
-        "table: {} ghosts, {:.2} MB, {:.0} ms to bake",
-        table.len(),
-        table.bytes() as f64 * 1e-6,
-        start.elapsed().as_secs_f64() * 1e3
-    );
-    table
 }
 
 /// Angle of the film's corner and a third more, radians.
@@ -85,39 +80,67 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
             args.angle.x
         )));
     }
-    let gpu = Gpu::open().map_err(crate::output::RenderError::from)?;
+    let preset = args.flare.preset(Quality::Low);
+    let gpu = Gpu::open().map_err(RenderError::from)?;
+    let renderer = FlareRenderer::new(&gpu, &aperture(args.blades));
     let source = FlareSource {
         angle: args.angle.x.to_radians(),
         turn: args.angle.y.to_radians(),
         irradiance: [1.0; 3],
         f_number: args.f_number,
-        wavelengths: args.wavelengths as usize,
-        rays: args.rays as usize,
+        wavelengths: args
+            .wavelengths
+            .map_or(preset.wavelengths, |count| count as usize),
+        // A picture of one angle can afford more than a moving one.
+        rays: args.rays.map_or(preset.rays.max(64), |count| count as usize),
         whole_entrance: args.whole_entrance,
     };
-    let aperture = Aperture {
-        blades: args.blades,
-        ..Aperture::default()
+    let table = match &args.flare.flare_table {
+        Some(path) => Some(open_table(path, &lens, args.f_number)?),
+        None if args.table && preset.mode == FlareMode::Blended => Some(TableFile::Rays(
+            super::lens_bake::bake_rays(&lens, args.f_number)?,
+        )),
+        None => None,
     };
-    let table = (args.table && args.mode == FlareMode::Blended).then(|| bake(&lens, args.f_number));
-    let draw = |mode| {
-        flare_picture(
-            &gpu,
-            &lens,
-            &source,
-            mode,
-            ghost,
-            table.as_ref(),
-            &aperture,
-            args.size,
-        )
+    let (rays, images) = match &table {
+        Some(TableFile::Rays(table)) => (Some(table), None),
+        Some(TableFile::Images(table)) => (None, Some(table)),
+        None => (None, None),
     };
-    let linear = draw(FlareMode::Paraxial)?;
-    let exposure = auto_exposure(&linear.radiance);
-    let picture = match args.mode {
-        FlareMode::Paraxial => linear,
-        mode => draw(mode)?,
+    let recipe = FlareRecipe {
+        lens: &lens,
+        source,
+        mode: preset.mode,
+        only: ghost,
+        pattern: images.map_or(Pattern::Whole, |_| Pattern::Linear),
+        table: rays,
+        blend: args.flare.blend,
+        fit: args.flare.fit(),
+        tracing: if args.cpu {
+            Tracing::Cpu
+        } else {
+            renderer.tracing()
+        },
     };
+    if args.sheet {
+        let (pixels, columns) = renderer.sheet(&recipe, args.size)?;
+        write_png(&args.out, args.size, &pixels)?;
+        for (row, ghosts) in single_crossing_ghosts(&lens).chunks(columns).enumerate() {
+            let names: Vec<String> = ghosts
+                .iter()
+                .map(|ghost| format!("{},{}", ghost.first + 1, ghost.second + 1))
+                .collect();
+            say!("row {}: {}", row + 1, names.join("  "));
+        }
+        return Ok(());
+    }
+    let paraxial = FlareRecipe {
+        mode: FlareMode::Paraxial,
+        pattern: Pattern::Whole,
+        ..recipe
+    };
+    let exposure = auto_exposure(&renderer.picture(&paraxial, None, args.size)?.radiance);
+    let picture = renderer.picture(&recipe, images, args.size)?;
     write_png(&args.out, args.size, &developed(&picture.radiance, exposure))?;
     if let Some(path) = &args.linear {
         write_radiance(path, args.size, &picture.radiance)?;
@@ -130,4 +153,12 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         picture.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.2}"))
     );
     Ok(())
+}
+
+/// An iris with blades.
+pub fn aperture(blades: u32) -> Aperture {
+    Aperture {
+        blades,
+        ..Aperture::default()
+    }
 }

@@ -13,9 +13,11 @@ macro_rules! say {
 mod args;
 mod bench;
 mod bench_flare;
+mod flare_flags;
 mod import;
 mod info;
 mod lens;
+mod lens_bake;
 mod lens_flags;
 mod lens_flare;
 mod render;
@@ -46,6 +48,9 @@ pub enum CommandError {
     /// A lens could not be read.
     #[error(transparent)]
     Lens(#[from] crate::camera::lens::LensError),
+    /// A flare table could not be used.
+    #[error(transparent)]
+    Table(#[from] crate::camera::flare::TableError),
     /// An argument that fits its form but not its subject.
     #[error("{0}")]
     Argument(String),

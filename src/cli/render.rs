@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use super::CommandError;
-use crate::camera::flare::{Aperture, FlareMode};
+use super::flare_flags::FlareFlags;
+use crate::camera::flare::{Aperture, Quality, open_table};
 use crate::city::City;
 use crate::output::{LensRequest, PictureRequest, Renderer, write_depth, write_ids, write_png};
 use crate::relief::{CpuMap, Light, ReliefMode, sun_visibility};
@@ -53,9 +54,11 @@ pub struct RenderArgs {
     /// Specks and scratches on its glass.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1000), requires = "lens")]
     dirt: u32,
-    /// How its ghosts are made.
-    #[arg(long, value_enum, default_value = "blended", requires = "lens")]
-    flare: FlareMode,
+    #[command(flatten)]
+    flare: FlareFlags,
+    /// Ghosts: --ghosts false leaves the sun's image and its starburst alone.
+    #[arg(long, default_value_t = true, action = clap::ArgAction::Set, requires = "lens")]
+    ghosts: bool,
     /// The picture to write.
     #[arg(long)]
     out: PathBuf,
@@ -126,6 +129,10 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     };
     let renderer = Renderer::open(&city, args.relief, mesh)?;
     let lens = args.lens.as_deref().map(crate::camera::lens::open).transpose()?;
+    let table = match (&args.flare.flare_table, &lens) {
+        (Some(path), Some(lens)) => Some(open_table(path, lens, args.f_number)?),
+        _ => None,
+    };
     let sun_visibility = match &lens {
         Some(_) => {
             let map = CpuMap::new(&city, renderer.resident.highest_roof);
@@ -141,8 +148,11 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
             dirt: args.dirt,
             ..Aperture::default()
         },
-        mode: args.flare,
-        wavelengths: 7,
+        preset: args.flare.preset(Quality::High),
+        ghosts: args.ghosts,
+        table: table.as_ref(),
+        blend: args.flare.blend,
+        fit: args.flare.fit(),
         sun_visibility,
     });
     let request = PictureRequest {

@@ -1,11 +1,12 @@
 //! Pictures of a lens's flare alone.
 
 use super::RenderError;
-use crate::camera::Ghost;
 use crate::camera::flare::{
-    Aperture, FlareMode, FlarePass, FlareSource, FlareTable, FlareVertex, flare_mesh,
+    Aperture, FlareMesh, FlareMode, FlarePass, FlareRecipe, FlareSource, FlareVertex, ImageTable, LightImage,
+    Pattern, Tracing, encode_images, flare_mesh,
 };
 use crate::camera::lens::Lens;
+use crate::camera::{RayPass, single_crossing_ghosts};
 use crate::gpu::{Gpu, PassTimer, Target, read_texture};
 
 /// A flare in memory.
@@ -22,57 +23,154 @@ pub struct FlarePicture {
     pub mesh_ms: f64,
 }
 
-/// Draws a flare on the lens's film, its width over the picture's width.
-pub fn flare_picture(
-    gpu: &Gpu,
-    lens: &Lens,
-    source: &FlareSource,
-    mode: FlareMode,
-    only: Option<Ghost>,
-    table: Option<&FlareTable>,
-    aperture: &Aperture,
-    size: [u32; 2],
-) -> Result<FlarePicture, RenderError> {
-    const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-    let start = std::time::Instant::now();
-    let vertices = flare_mesh(lens, source, mode, only, table);
-    let mesh_ms = start.elapsed().as_secs_f64() * 1e3;
-    let target = Target::new(gpu, "flare", size, FORMAT);
-    let pass = FlarePass::new(gpu, FORMAT, aperture);
-    let timer = PassTimer::new(gpu, 1);
-    let half_width = 0.5 * lens.film_mm[0];
-    let half_mm = [half_width, half_width * f64::from(size[1]) / f64::from(size[0])];
-    // A buffer holds so many at a time.
-    let most = (gpu.device.limits().max_buffer_size / 36).min(3_000_000) as usize / 3 * 3;
-    let mut chunks = vertices.chunks(most).peekable();
-    let mut gpu_ms = Some(0.0);
-    loop {
-        let chunk = chunks.next().unwrap_or_default();
+/// What draws flares on lenses' films, with one aperture.
+pub struct FlareRenderer<'a> {
+    gpu: &'a Gpu,
+    pass: FlarePass,
+    rays: RayPass,
+}
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+impl<'a> FlareRenderer<'a> {
+    /// Compiles the shaders.
+    pub fn new(gpu: &'a Gpu, aperture: &Aperture) -> Self {
+        Self {
+            gpu,
+            pass: FlarePass::new(gpu, FORMAT, aperture),
+            rays: RayPass::new(gpu),
+        }
+    }
+
+    /// Tracing on its device.
+    pub fn tracing(&self) -> Tracing<'_> {
+        Tracing::Gpu(self.gpu, &self.rays)
+    }
+
+    /// Draws a flare, the film's width over the picture's width, and the images of a table where one is given.
+    pub fn picture(
+        &self,
+        recipe: &FlareRecipe<'_>,
+        images: Option<&ImageTable>,
+        size: [u32; 2],
+    ) -> Result<FlarePicture, RenderError> {
+        let gpu = self.gpu;
+        let start = std::time::Instant::now();
+        let mesh = match images {
+            Some(images) if !images.with_linear => FlareMesh::default(),
+            _ => flare_mesh(recipe)?,
+        };
+        let mesh_ms = start.elapsed().as_secs_f64() * 1e3;
+        let target = Target::new(gpu, "flare", size, FORMAT);
+        let timer = PassTimer::new(gpu, 1);
+        let half_mm = film_half_mm(recipe.lens, size);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        pass.encode(gpu, &mut encoder, &target, chunk, half_mm, 1.0, timer.of_pass(0));
+        self.pass
+            .encode(gpu, &mut encoder, &target, &mesh, half_mm, 1.0, timer.of_pass(0));
+        if let Some(images) = images {
+            let FlareSource {
+                angle,
+                turn,
+                irradiance,
+                ..
+            } = recipe.source;
+            encode_images(
+                gpu,
+                &mut encoder,
+                &target,
+                images,
+                [angle, turn],
+                irradiance,
+                half_mm,
+            );
+        }
         timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        let spent = timer.milliseconds(gpu)?.map(|spans| spans[0]);
-        gpu_ms = gpu_ms.zip(spent).map(|(before, more)| before + more);
-        if chunks.peek().is_none() {
-            break;
-        }
+        let halves = read_texture::<[half::f16; 4]>(gpu, &target.texture)?;
+        let vertices = || mesh.added.iter().chain(&mesh.over);
+        let corners: Vec<&FlareVertex> = vertices().collect();
+        Ok(FlarePicture {
+            radiance: halves
+                .iter()
+                .map(|texel| [texel[0], texel[1], texel[2]].map(half::f16::to_f32))
+                .collect(),
+            triangles: corners.len() / 3,
+            area_mm2: corners.chunks_exact(3).map(triangle_area).sum(),
+            gpu_ms: timer.milliseconds(gpu)?.map(|spans| spans[0]),
+            mesh_ms,
+        })
     }
-    let halves = read_texture::<[half::f16; 4]>(gpu, &target.texture)?;
-    Ok(FlarePicture {
-        radiance: halves
-            .iter()
-            .map(|texel| [texel[0], texel[1], texel[2]].map(half::f16::to_f32))
-            .collect(),
-        triangles: vertices.len() / 3,
-        area_mm2: vertices.chunks_exact(3).map(triangle_area).sum(),
-        gpu_ms,
-        mesh_ms,
-    })
+
+    /// Every ghost alone in a cell of its own, row by row in the order of `single_crossing_ghosts`, each as bright as its own
+    /// exposure makes it: what to look at when a flare looks wrong. 8-bit sRGB, and the number of columns.
+    pub fn sheet(&self, recipe: &FlareRecipe<'_>, size: [u32; 2]) -> Result<(Vec<u8>, usize), RenderError> {
+        let ghosts = single_crossing_ghosts(recipe.lens);
+        let columns = (ghosts.len() as f64).sqrt().ceil().max(1.0) as u32;
+        let rows = (ghosts.len() as u32).div_ceil(columns).max(1);
+        let cell = [(size[0] / columns).max(4), (size[1] / rows).max(4)];
+        let width = size[0] as usize;
+        let mut sheet = [40, 40, 40, 255].repeat(width * size[1] as usize);
+        for (k, &ghost) in (0_u32..).zip(&ghosts) {
+            // A line is left between cells.
+            let inner = cell.map(|side| side - 2);
+            let only = FlareRecipe {
+                only: Some(ghost),
+                ..*recipe
+            };
+            let picture = self.picture(&only, None, inner)?;
+            let pixels = developed(&picture.radiance, auto_exposure(&picture.radiance));
+            let corner = [k % columns * cell[0] + 1, k / columns * cell[1] + 1].map(|at| at as usize);
+            for (row, line) in pixels.chunks_exact(4 * inner[0] as usize).enumerate() {
+                let start = 4 * ((corner[1] + row) * width + corner[0]);
+                if let Some(place) = sheet.get_mut(start..start + line.len()) {
+                    place.copy_from_slice(line);
+                }
+            }
+        }
+        Ok((sheet, columns as usize))
+    }
+
+    /// A table of images of the nonlinear ghosts at angles up to `most_angle` radians, at turns all round: for apertures
+    /// without symmetry, whose shape is in the images (KR 10-1658883's table over two parameters).
+    pub fn bake_images(
+        &self,
+        recipe: &FlareRecipe<'_>,
+        most_angle: f64,
+        [angles, turns]: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<ImageTable, RenderError> {
+        let half_mm = film_half_mm(recipe.lens, size);
+        let mut images = Vec::new();
+        for turn in (0..turns).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(turns)) {
+            for angle in (0..angles).map(|k| most_angle * f64::from(k) / f64::from(angles.max(2) - 1)) {
+                let source = FlareSource {
+                    angle,
+                    turn,
+                    irradiance: [1.0; 3],
+                    ..recipe.source
+                };
+                let nonlinear = FlareRecipe {
+                    source,
+                    pattern: Pattern::Nonlinear,
+                    mode: FlareMode::Blended,
+                    ..*recipe
+                };
+                let picture = self.picture(&nonlinear, None, size)?;
+                images.push(LightImage::new(angle, turn, &picture.radiance, size, half_mm));
+            }
+        }
+        Ok(ImageTable::new(images, true))
+    }
 }
 
-fn triangle_area(corners: &[FlareVertex]) -> f64 {
+/// Half the film that a picture shows, millimetres.
+fn film_half_mm(lens: &Lens, size: [u32; 2]) -> [f64; 2] {
+    let half_width = 0.5 * lens.film_mm[0];
+    [half_width, half_width * f64::from(size[1]) / f64::from(size[0])]
+}
+
+fn triangle_area(corners: &[&FlareVertex]) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(corners[k].sensor_mm).as_dvec2());
     0.5 * (b - a).perp_dot(c - a).abs()
 }

@@ -11,10 +11,11 @@ use thiserror::Error;
 
 use super::Renderer;
 use crate::camera::flare::{
-    Aperture, FlareMode, FlarePass, FlareSource, Star, encode_starburst, flare_mesh, spectrum,
+    Aperture, Blend, Fit, FlareMesh, FlarePass, FlareRecipe, FlareSource, Pattern, Preset, Star, TableFile,
+    Tracing, encode_images, encode_starburst, flare_mesh, spectrum,
 };
 use crate::camera::lens::{D_LINE_UM, Lens};
-use crate::camera::{Develop, Paraxial};
+use crate::camera::{Develop, Paraxial, RayPass};
 use crate::gpu::{Gpu, GpuError, PassTimer, read_texture};
 use crate::relief::{Light, ReliefMode, ReliefPass, ReliefTargets, SUN_RADIUS, sun_irradiance};
 use crate::scene::SceneError;
@@ -57,10 +58,16 @@ pub struct LensRequest<'a> {
     pub f_number: f64,
     /// The iris.
     pub aperture: Aperture,
-    /// How ghosts are made.
-    pub mode: FlareMode,
-    /// Wavelengths of the ghosts.
-    pub wavelengths: usize,
+    /// How its ghosts are made, and how finely.
+    pub preset: Preset,
+    /// Whether ghosts are drawn.
+    pub ghosts: bool,
+    /// A table to play, baked for the same lens and f-number.
+    pub table: Option<&'a TableFile>,
+    /// How linear and nonlinear ghosts come together.
+    pub blend: Blend,
+    /// What of the nonlinear ghosts is fitted to the linear ones.
+    pub fit: Fit,
     /// Visible share of the sun, 0 to 1.
     pub sun_visibility: f64,
 }
@@ -128,7 +135,7 @@ impl Renderer {
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         if let Some(lens) = lens {
-            add_flare(&self.gpu, &mut encoder, &develop, request, lens);
+            add_flare(&self.gpu, &mut encoder, &develop, request, lens)?;
         }
         develop.encode_picture(&self.gpu, &mut encoder, request.samples, 1.0);
         self.gpu.queue.submit([encoder.finish()]);
@@ -147,50 +154,83 @@ impl Renderer {
     }
 }
 
-/// Rays along a side of a traced ghost's grid: finer than the eye tells on a screen.
-const GHOST_RAYS: usize = 40;
-
-/// Wavelengths of the starburst.
-const STAR_WAVELENGTHS: usize = 15;
-
-/// Draws the sun's image with its starburst, and its ghosts, where the sun stands before the lens.
+/// Draws the sun's ghosts, and its image with its starburst, where the sun stands before the lens.
 fn add_flare(
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     develop: &Develop,
     request: &PictureRequest,
     lens: &LensRequest<'_>,
-) {
+) -> Result<(), RenderError> {
     let projection = request.view.projection(request.size);
     let to_sun = request.light.to_sun;
     let ahead = to_sun.dot(projection.forward);
     if ahead <= 0.0 || lens.sun_visibility <= 0.0 {
-        return;
+        return Ok(());
     }
     let aside = DVec2::new(to_sun.dot(projection.right), to_sun.dot(projection.up));
+    let preset = lens.preset;
     let source = FlareSource {
         angle: aside.length().atan2(ahead),
         turn: aside.y.atan2(aside.x),
         irradiance: sun_irradiance(to_sun),
         f_number: lens.f_number,
-        wavelengths: lens.wavelengths,
-        rays: GHOST_RAYS,
+        wavelengths: preset.wavelengths,
+        rays: preset.rays,
         whole_entrance: false,
     };
     let focal_mm = Paraxial::new(lens.lens, D_LINE_UM, None).efl_mm.abs();
     let half_height = focal_mm * projection.tan_half_fov_y;
     let [width, height] = request.size.map(f64::from);
-    let pass = FlarePass::new(gpu, Develop::FLARE, &lens.aperture);
     let half_mm = [half_height * width / height, half_height];
-    let image_mm = aside / ahead * focal_mm;
+    let visible = source.irradiance.map(|channel| channel * lens.sun_visibility);
+
+    let (rays, images) = match lens.table {
+        Some(TableFile::Rays(table)) => (Some(table), None),
+        Some(TableFile::Images(table)) => (None, Some(table)),
+        None => (None, None),
+    };
+    let ray_pass = RayPass::new(gpu);
+    let recipe = FlareRecipe {
+        lens: lens.lens,
+        source,
+        mode: preset.mode,
+        only: None,
+        pattern: images.map_or(Pattern::Whole, |_| Pattern::Linear),
+        table: rays,
+        blend: lens.blend,
+        fit: lens.fit,
+        tracing: Tracing::Gpu(gpu, &ray_pass),
+    };
+    let has_mesh = lens.ghosts && images.is_none_or(|images| images.with_linear);
+    let mesh = if has_mesh {
+        flare_mesh(&recipe)?
+    } else {
+        FlareMesh::default()
+    };
+    let pass = FlarePass::new(gpu, Develop::FLARE, &lens.aperture);
+    pass.encode(
+        gpu,
+        encoder,
+        &develop.flare,
+        &mesh,
+        half_mm,
+        lens.sun_visibility,
+        None,
+    );
+    if let Some(images) = images.filter(|_| lens.ghosts) {
+        let angles = [source.angle, source.turn];
+        encode_images(gpu, encoder, &develop.flare, images, angles, visible, half_mm);
+    }
     let star = Star {
-        at_mm: image_mm.to_array(),
+        at_mm: (aside / ahead * focal_mm).to_array(),
         disc_mm: SUN_RADIUS * focal_mm,
         focal_mm,
         f_number: lens.f_number,
-        irradiance: source.irradiance.map(|channel| channel * lens.sun_visibility),
+        irradiance: visible,
+        mask_side: preset.star_side,
     };
-    let colours = spectrum(STAR_WAVELENGTHS);
+    let colours = spectrum(preset.star_wavelengths);
     encode_starburst(
         gpu,
         encoder,
@@ -200,13 +240,5 @@ fn add_flare(
         &colours,
         half_mm,
     );
-    pass.encode(
-        gpu,
-        encoder,
-        &develop.flare,
-        &flare_mesh(lens.lens, &source, lens.mode, None, None),
-        half_mm,
-        lens.sun_visibility,
-        None,
-    );
+    Ok(())
 }

@@ -6,6 +6,6 @@ mod frame;
 mod renderer;
 
 pub use files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};
-pub use flare::{FlarePicture, auto_exposure, developed, flare_picture};
+pub use flare::{FlarePicture, FlareRenderer, auto_exposure, developed};
 pub use frame::{LensRequest, Picture, PictureRequest, RenderError};
 pub use renderer::Renderer;

@@ -1,17 +1,31 @@
-//! Pipelines that add light to a target, with one uniform and one filtered image.
+//! Pipelines that lay light on a target, with one uniform and one filtered image.
 
-/// A pipeline (entries `vs` and `fs`) whose fragments add to the target; its layout is the shader's own.
+/// How.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Laid {
+    /// It adds up.
+    Added,
+    /// It hides what lies below by its alpha.
+    Over,
+}
+
+/// A pipeline (entries `vs` and `fs`) whose fragments lie on the target; its layout is the shader's own.
 pub fn added_pipeline(
     gpu: &crate::gpu::Gpu,
     module: &wgpu::ShaderModule,
     format: wgpu::TextureFormat,
     buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
     topology: wgpu::PrimitiveTopology,
+    laid: Laid,
 ) -> wgpu::RenderPipeline {
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
+    let blend = |src_factor, dst_factor| wgpu::BlendComponent {
+        src_factor,
+        dst_factor,
         operation: wgpu::BlendOperation::Add,
+    };
+    let below = match laid {
+        Laid::Added => wgpu::BlendFactor::One,
+        Laid::Over => wgpu::BlendFactor::OneMinusSrcAlpha,
     };
     gpu.device
         .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -36,8 +50,8 @@ pub fn added_pipeline(
                 targets: &[Some(wgpu::ColorTargetState {
                     format,
                     blend: Some(wgpu::BlendState {
-                        color: add,
-                        alpha: add,
+                        color: blend(wgpu::BlendFactor::One, below),
+                        alpha: blend(wgpu::BlendFactor::Zero, wgpu::BlendFactor::One),
                     }),
                     write_mask: wgpu::ColorWrites::ALL,
                 })],

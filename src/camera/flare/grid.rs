@@ -5,8 +5,8 @@ use glam::DVec2;
 use super::Wavelength;
 use super::linear::LinearGhost;
 use super::source::{FlareSource, FlareVertex, radiance, turned};
-use crate::camera::path::Ghost;
-use crate::camera::trace::{TracedRay, Tracer, beam_direction};
+use crate::camera::rays::Bundle;
+use crate::camera::trace::TracedRay;
 
 /// Rays row by row over a rectangle of the entrance.
 #[derive(Clone, Debug)]
@@ -22,51 +22,55 @@ pub struct RayGrid {
 }
 
 /// Rays along a side of the grid that finds where a ghost's light comes in.
-const SEARCH_RAYS: usize = 25;
+pub const SEARCH_RAYS: usize = 25;
 
 impl RayGrid {
-    /// Traces a grid over a rectangle.
-    pub fn over(tracer: &Tracer<'_>, ghost: Ghost, angle: f64, [low, high]: [DVec2; 2], side: usize) -> Self {
-        let direction = beam_direction(angle);
-        let rays = (0..side * side)
-            .map(|k| {
-                let share = DVec2::new((k % side) as f64, (k / side) as f64) / (side - 1) as f64;
-                tracer.trace(Some(ghost), low + (high - low) * share, direction)
-            })
-            .collect();
+    /// A bundle's rays.
+    pub fn new(bundle: &Bundle, side: usize, rays: Vec<Option<TracedRay>>) -> Self {
         Self {
-            low,
-            high,
+            low: bundle.low,
+            high: bundle.high,
             side,
             rays,
         }
     }
 
-    /// The part of the entrance that gets through, with a cell round it and the linear pupil; none when nothing does.
-    pub fn window(tracer: &Tracer<'_>, ghost: Ghost, angle: f64, linear: &LinearGhost) -> Option<[DVec2; 2]> {
+    /// Where ray `k` comes in, millimetres.
+    pub fn entry(&self, k: usize) -> DVec2 {
+        let share = DVec2::new((k % self.side) as f64, (k / self.side) as f64) / (self.side - 1) as f64;
+        self.low + (self.high - self.low) * share
+    }
+
+    /// Of a grid over the whole entrance: the part that gets through, with a cell round it and the linear pupil; none when
+    /// nothing does.
+    pub fn window(&self, linear: &LinearGhost) -> Option<[DVec2; 2]> {
         let all = DVec2::splat(linear.barrel_mm);
-        let cell = 2.0 * linear.barrel_mm / (SEARCH_RAYS - 1) as f64;
+        let cell = 2.0 * linear.barrel_mm / (self.side - 1) as f64;
         let (mut low, mut high) = (linear.middle - linear.half, linear.middle + linear.half);
         if linear.is_shut() {
             (low, high) = (all, -all);
         }
-        let search = Self::over(tracer, ghost, angle, [-all, all], SEARCH_RAYS);
-        for (k, ray) in search.rays.iter().enumerate() {
+        for (k, ray) in self.rays.iter().enumerate() {
             let passes = |ray: &TracedRay| {
                 ray.relative_height <= 1.05 && ray.stop_mm.length() <= 1.05 * linear.stop_mm
             };
             if ray.as_ref().is_some_and(passes) {
-                let entry = DVec2::new((k % SEARCH_RAYS) as f64, (k / SEARCH_RAYS) as f64) * cell - all;
-                low = low.min(entry - cell);
-                high = high.max(entry + cell);
+                low = low.min(self.entry(k) - cell);
+                high = high.max(self.entry(k) + cell);
             }
         }
         let (low, high) = (low.max(-all), high.min(all));
         (low.x < high.x && low.y < high.y).then_some([low, high])
     }
 
-    /// Triangles on the sensor.
-    pub fn triangles(&self, source: &FlareSource, colour: Wavelength, stop_mm: f64) -> Vec<FlareVertex> {
+    /// Triangles on the sensor, of a share of the ghost's radiance.
+    pub fn triangles(
+        &self,
+        source: &FlareSource,
+        colour: Wavelength,
+        stop_mm: f64,
+        share: f64,
+    ) -> Vec<FlareVertex> {
         let (low, high, side, rays) = (self.low, self.high, self.side, &self.rays);
         let area = (high - low).element_product() / ((side - 1) * (side - 1)) as f64;
         let mut vertices = Vec::new();
@@ -97,7 +101,8 @@ impl RayGrid {
                         sensor_mm: turned(ray.sensor_mm, source),
                         stop: turned(ray.stop_mm / -stop_mm, source),
                         barrel: [ray.relative_height as f32, 0.0],
-                        radiance: radiance(source, colour, ray.power, 0.5 * area / landed),
+                        radiance: radiance(source, colour, share * ray.power, 0.5 * area / landed),
+                        opacity: share as f32,
                     }));
                 }
             }

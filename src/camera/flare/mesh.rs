@@ -1,9 +1,10 @@
 //! Ghosts as triangles on the sensor, each corner knowing where its ray crossed the stop and the lens barrel.
 //!
 //! - **paraxial**: four entrance points a ghost and wavelength, carried by the matrices (KR 10-1465658; Lee & Eisemann
-//!   2013, section 4): one flare quad.
+//!   2013, section 4): one flare quad. **two rays**: the same from two points.
 //! - **exact**: a grid of rays over the entrance, traced surface by surface (Hullin et al. 2011).
-//! - **blended**: the quad where a ghost is nearly linear, the traced grid where it departs from that (KR 10-1658883).
+//! - **blended**: quads where ghosts are nearly linear, grids where they depart from that, traced or out of a table
+//!   (KR 10-1658883).
 //!
 //! Energy: a beam of irradiance E on the entrance arrives as E · power · |entrance area / sensor area|. A scene of radiance
 //! L gives the sensor π L / (4 N²) at f-number N, so that a ghost adds the radiance E · power · areas · 4 N² / π.
@@ -11,146 +12,235 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::grid::RayGrid;
+use super::blend::{Blend, Fit, fitted, shares};
+use super::grid::{RayGrid, SEARCH_RAYS};
 use super::linear::{LinearGhost, stop_radius};
-use super::nonlinear::{LINEAR_ENOUGH, nonlinearity};
-use super::source::{FlareSource, FlareVertex, radiance, turned};
+use super::nonlinear::nonlinearity;
+use super::quad::{quad, two_rays};
+use super::source::{FlareSource, FlareVertex};
 use super::table::FlareTable;
+use super::tracing::Tracing;
 use super::{Wavelength, spectrum};
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
-use crate::camera::trace::{Tracer, beam_direction};
+use crate::camera::rays::Bundle;
+use crate::camera::trace::Tracer;
+use crate::gpu::GpuError;
 
 /// How ghosts are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum FlareMode {
     /// Flare quads by the matrices alone.
     Paraxial,
+    /// The same from two rays a ghost.
+    TwoRays,
     /// Quads for nearly linear ghosts, traced rays for the others.
     Blended,
     /// Traced rays for all.
     Exact,
 }
 
-/// Triangles of all ghosts that cross the stop once; `only` draws a single one. A table, baked for the same lens and f-number,
-/// takes the place of tracing in the blended mode.
-pub fn flare_mesh(
-    lens: &Lens,
-    source: &FlareSource,
-    mode: FlareMode,
-    only: Option<Ghost>,
-    table: Option<&FlareTable>,
-) -> Vec<FlareVertex> {
-    let ghosts = match only {
+/// Which images of ghosts are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pattern {
+    /// Both.
+    #[default]
+    Whole,
+    /// The linear ones: others come out of a table of images.
+    Linear,
+    /// The nonlinear ones.
+    Nonlinear,
+}
+
+/// What to make.
+#[derive(Clone, Copy)]
+pub struct FlareRecipe<'a> {
+    /// The lens.
+    pub lens: &'a Lens,
+    /// The sun in it.
+    pub source: FlareSource,
+    /// How ghosts are made.
+    pub mode: FlareMode,
+    /// A single ghost; none for all that cross the stop once.
+    pub only: Option<Ghost>,
+    /// Which of its images are made.
+    pub pattern: Pattern,
+    /// In the blended mode, takes the place of tracing. Baked for the same lens and f-number.
+    pub table: Option<&'a FlareTable>,
+    /// How linear and nonlinear ghosts come together in the blended mode.
+    pub blend: Blend,
+    /// What of its nonlinear ghosts is fitted to the linear ones.
+    pub fit: Fit,
+    /// Where rays are traced.
+    pub tracing: Tracing<'a>,
+}
+
+/// Triangles, three corners each.
+#[derive(Clone, Debug, Default)]
+pub struct FlareMesh {
+    /// Ghosts that add up.
+    pub added: Vec<FlareVertex>,
+    /// Ghosts laid over those.
+    pub over: Vec<FlareVertex>,
+}
+
+/// Grids traced and turned into triangles at a time.
+const GRIDS_AT_ONCE: usize = 64;
+
+/// A ghost and the shares of its linear and its nonlinear image.
+struct Part {
+    ghost: Ghost,
+    linear: f64,
+    nonlinear: f64,
+}
+
+/// The optics of one colour.
+struct Optics {
+    colour: Wavelength,
+    paraxial: Paraxial,
+}
+
+/// Triangles of a flare.
+pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
+    let FlareRecipe { lens, source, .. } = *recipe;
+    // The sensor stays in the focus of the d line for every colour. So is the iris set.
+    let d_line = Paraxial::new(lens, D_LINE_UM, None);
+    let gap = d_line.sensor_gap_mm();
+    let stop_mm = stop_radius(lens, &d_line, source.f_number);
+    let optics: Vec<Optics> = spectrum(source.wavelengths)
+        .into_iter()
+        .map(|colour| Optics {
+            colour,
+            paraxial: Paraxial::new(lens, colour.um, Some(gap)),
+        })
+        .collect();
+    let parts = parts(recipe);
+    let linear_of =
+        |ghost, paraxial: &Paraxial| LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
+
+    let quads = parts.par_iter().filter(|part| part.linear > 0.0);
+    let mut added: Vec<FlareVertex> = quads
+        .flat_map_iter(|part| optics.iter().map(move |optics| (part, optics)))
+        .flat_map_iter(|(part, optics)| {
+            let tracer = Tracer::new(lens, optics.colour.um, gap);
+            let linear = linear_of(part.ghost, &optics.paraxial);
+            let draw = match recipe.mode {
+                FlareMode::TwoRays => two_rays,
+                _ => quad,
+            };
+            let mut vertices = draw(&tracer, &linear, optics.colour, &source, part.ghost);
+            for vertex in &mut vertices {
+                vertex.radiance = vertex.radiance.map(|channel| channel * part.linear as f32);
+            }
+            vertices
+        })
+        .collect();
+
+    let curved: Vec<&Part> = parts.iter().filter(|part| part.nonlinear > 0.0).collect();
+    let grids_of = |jobs: &[(&Part, &Optics)], grids: Vec<Option<RayGrid>>| -> Vec<FlareVertex> {
+        jobs.par_iter()
+            .zip(grids)
+            .flat_map_iter(|((part, optics), grid)| {
+                let linear = linear_of(part.ghost, &optics.paraxial);
+                let triangles = |grid: RayGrid| {
+                    let grid = if recipe.fit == Fit::default() {
+                        grid
+                    } else {
+                        let tracer = Tracer::new(lens, optics.colour.um, gap);
+                        let axial = tracer.trace(Some(part.ghost), DVec2::ZERO, glam::DVec3::Z);
+                        fitted(grid, &linear, axial.map_or(0.0, |ray| ray.power), recipe.fit)
+                    };
+                    grid.triangles(&source, optics.colour, stop_mm, part.nonlinear)
+                };
+                grid.map_or_else(Vec::new, triangles)
+            })
+            .collect()
+    };
+    let mut traced = Vec::new();
+    if let (FlareMode::Blended, Some(table)) = (recipe.mode, recipe.table) {
+        let played = |&part: &&Part| {
+            let played = table.ghost(part.ghost).and_then(|ghost| ghost.at(source.angle));
+            let grid = |optics: &Optics| {
+                played
+                    .as_ref()
+                    .map(|played| played.grid(optics.colour.um, source.rays))
+            };
+            let jobs: Vec<_> = optics.iter().map(|optics| (part, optics)).collect();
+            grids_of(&jobs, optics.iter().map(grid).collect())
+        };
+        traced = curved.par_iter().flat_map_iter(played).collect();
+    } else {
+        // Where each ghost's light comes in, by a coarse grid over the whole front in the middle of the spectrum.
+        let linears: Vec<LinearGhost> = curved.iter().map(|part| linear_of(part.ghost, &d_line)).collect();
+        let whole = |(part, linear): (&&Part, &LinearGhost)| Bundle {
+            ghost: Some(part.ghost),
+            wavelength_um: D_LINE_UM,
+            angle: source.angle,
+            low: DVec2::splat(-linear.barrel_mm),
+            high: DVec2::splat(linear.barrel_mm),
+        };
+        let searches: Vec<Bundle> = curved.iter().zip(&linears).map(whole).collect();
+        let found = recipe.tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
+        let mut jobs = Vec::new();
+        for ((&part, linear), search) in curved.iter().zip(&linears).zip(&found) {
+            if let Some([low, high]) = search.window(linear) {
+                jobs.extend(optics.iter().map(|optics| {
+                    let bundle = Bundle {
+                        ghost: Some(part.ghost),
+                        wavelength_um: optics.colour.um,
+                        angle: source.angle,
+                        low,
+                        high,
+                    };
+                    ((part, optics), bundle)
+                }));
+            }
+        }
+        for jobs in jobs.chunks(GRIDS_AT_ONCE) {
+            let (jobs, bundles): (Vec<_>, Vec<_>) = jobs.iter().copied().unzip();
+            let grids = recipe.tracing.grids(lens, gap, &bundles, source.rays)?;
+            traced.extend(grids_of(&jobs, grids.into_iter().map(Some).collect()));
+        }
+    }
+    let mut over = Vec::new();
+    if recipe.mode == FlareMode::Blended && recipe.blend == Blend::Alpha {
+        over = traced;
+    } else {
+        added.extend(traced);
+    }
+    Ok(FlareMesh { added, over })
+}
+
+/// Which images of which ghosts are drawn.
+fn parts(recipe: &FlareRecipe<'_>) -> Vec<Part> {
+    let FlareRecipe { lens, source, .. } = *recipe;
+    let ghosts = match recipe.only {
         Some(ghost) => vec![ghost],
         None => single_crossing_ghosts(lens),
     };
-    let colours = spectrum(source.wavelengths);
-    // The sensor stays in the focus of the d line for every colour.
-    let d_line = Paraxial::new(lens, D_LINE_UM, None);
-    let gap = d_line.sensor_gap_mm();
-    // So is the iris set.
-    let stop_mm = stop_radius(lens, &d_line, source.f_number);
-    let optics: Vec<(Wavelength, Paraxial)> = colours
-        .into_iter()
-        .map(|colour| (colour, Paraxial::new(lens, colour.um, Some(gap))))
-        .collect();
     ghosts
-        .par_iter()
-        .flat_map_iter(|&ghost| optics.iter().map(move |optics| (ghost, optics)))
-        .flat_map_iter(|(ghost, (colour, paraxial))| {
-            let tracer = Tracer::new(lens, colour.um, gap);
-            let linear = LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
-            if let (FlareMode::Blended, Some(table)) = (mode, table) {
-                return match table.ghost(ghost) {
-                    Some(tabled) => tabled
-                        .grid(source.angle, colour.um, source.rays)
-                        .map_or_else(Vec::new, |grid| grid.triangles(source, *colour, stop_mm)),
-                    None => quad(&tracer, &linear, *colour, source, ghost),
-                };
-            }
-            let traced = match mode {
-                FlareMode::Paraxial => false,
-                FlareMode::Exact => true,
-                FlareMode::Blended => nonlinearity(lens, ghost, source.angle, source.f_number)
-                    .is_none_or(|off| off > LINEAR_ENOUGH),
+        .into_par_iter()
+        .map(|ghost| {
+            let [linear, nonlinear] = match (recipe.mode, recipe.table) {
+                (FlareMode::Paraxial | FlareMode::TwoRays, _) => [1.0, 0.0],
+                (FlareMode::Exact, _) => [0.0, 1.0],
+                (FlareMode::Blended, Some(table)) => match table.ghost(ghost) {
+                    Some(_) if recipe.blend == Blend::Add => [0.0, 1.0],
+                    Some(tabled) => shares(recipe.blend, tabled.departure(source.angle)),
+                    None => [1.0, 0.0],
+                },
+                (FlareMode::Blended, None) => {
+                    let departure = nonlinearity(lens, ghost, source.angle, source.f_number);
+                    shares(recipe.blend, departure.unwrap_or(f64::INFINITY))
+                }
             };
-            if traced {
-                traced_ghost(&tracer, &linear, *colour, source, ghost)
-            } else {
-                quad(&tracer, &linear, *colour, source, ghost)
+            let drawn = |is_drawn: bool, share: f64| if is_drawn { share } else { 0.0 };
+            Part {
+                ghost,
+                linear: drawn(recipe.pattern != Pattern::Nonlinear, linear),
+                nonlinear: drawn(recipe.pattern != Pattern::Linear, nonlinear),
             }
         })
         .collect()
-}
-
-/// Share of the way from a quad's middle to its side where a ray still passes the iris.
-const INNER: f64 = 0.6;
-
-/// The flare quad of a ghost.
-fn quad(
-    tracer: &Tracer<'_>,
-    linear: &LinearGhost,
-    colour: Wavelength,
-    source: &FlareSource,
-    ghost: Ghost,
-) -> Vec<FlareVertex> {
-    if linear.is_shut() {
-        return Vec::new();
-    }
-    let corners = if source.whole_entrance {
-        [DVec2::ZERO, DVec2::splat(linear.barrel_mm)]
-    } else {
-        [linear.middle, linear.half]
-    };
-    // Losses at the true angles of the ray through the middle; of an axial one where that ray does not arrive.
-    let middle = tracer.trace(Some(ghost), linear.middle, beam_direction(source.angle));
-    let axial = || tracer.trace(Some(ghost), DVec2::ZERO, beam_direction(0.0));
-    let Some(power) = middle.or_else(axial).map(|ray| ray.power) else {
-        return Vec::new();
-    };
-    // Losses change over the quad linearly, by rays to either side that the iris still lets through.
-    let beside = |offset: DVec2| {
-        let inner = linear.middle + INNER * linear.half * offset;
-        tracer
-            .trace(Some(ghost), inner, beam_direction(source.angle))
-            .map_or(power, |ray| ray.power)
-    };
-    let slope = DVec2::new(
-        beside(DVec2::X) - beside(DVec2::NEG_X),
-        beside(DVec2::Y) - beside(DVec2::NEG_Y),
-    ) / (2.0 * INNER * linear.half);
-    let corner = |column: usize, row: usize| {
-        let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
-        let entry = corners[0] + corners[1] * side;
-        let there = power + slope.dot(entry - linear.middle);
-        let radiance = radiance(source, colour, there, linear.f[0].powi(-2));
-        FlareVertex {
-            sensor_mm: turned(linear.sensor(entry), source),
-            stop: turned(linear.stop(entry) / -linear.stop_mm, source),
-            barrel: turned(entry / linear.barrel_mm, source),
-            radiance,
-        }
-    };
-    [(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)]
-        .map(|(column, row)| corner(column, row))
-        .to_vec()
-}
-
-/// A ghost by traced rays.
-fn traced_ghost(
-    tracer: &Tracer<'_>,
-    linear: &LinearGhost,
-    colour: Wavelength,
-    source: &FlareSource,
-    ghost: Ghost,
-) -> Vec<FlareVertex> {
-    RayGrid::window(tracer, ghost, source.angle, linear).map_or_else(Vec::new, |window| {
-        RayGrid::over(tracer, ghost, source.angle, window, source.rays.max(2)).triangles(
-            source,
-            colour,
-            linear.stop_mm,
-        )
-    })
 }

@@ -28,25 +28,36 @@
 
 mod added;
 mod aperture;
+mod blend;
 mod grid;
 mod linear;
 mod mesh;
 mod nonlinear;
 mod pass;
+mod quad;
+mod quality;
 mod source;
 mod spectrum;
+mod sprite;
 mod star_pass;
 mod starburst;
 mod table;
+mod tracing;
 
 pub use aperture::Aperture;
-pub use mesh::{FlareMode, flare_mesh};
+pub use blend::{Blend, Fit};
+pub use mesh::{FlareMesh, FlareMode, FlareRecipe, Pattern, flare_mesh};
 pub use nonlinear::nonlinearity;
 pub use pass::FlarePass;
+pub use quality::{Preset, Quality};
 pub use source::{FlareSource, FlareVertex};
 pub use spectrum::{Wavelength, spectrum};
+pub use sprite::{Sprite, SpriteFrame, encode_images, encode_sprite};
 pub use star_pass::{Star, encode_starburst};
 pub use starburst::{Diffraction, fft_2d};
-pub use table::FlareTable;
+pub use table::{
+    FlareTable, ImageTable, LightImage, TableError, TableFile, open_table, table_from_photos, write_table,
+};
+pub use tracing::Tracing;
 
-use added::{added_pipeline, picture_group};
+use added::{Laid, added_pipeline, picture_group};

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 
-use super::{Aperture, FlareVertex, added_pipeline, picture_group};
+use super::{Aperture, FlareMesh, FlareVertex, Laid, added_pipeline, picture_group};
 use crate::camera::shaders::FLARE;
 use crate::gpu::{Gpu, Target, shader_module, uniform_buffer};
 
@@ -21,9 +21,13 @@ const MASK_SIDE: u32 = 512;
 /// Half the side of the mask in radii of the stop: beyond it no light passes.
 const MASK_REACH: f64 = 1.1;
 
-/// The pipeline with an aperture.
+/// Most corners in one buffer.
+const MOST_VERTICES: u64 = 3_000_000;
+
+/// The pipelines with an aperture.
 pub struct FlarePass {
-    pipeline: wgpu::RenderPipeline,
+    added: wgpu::RenderPipeline,
+    over: wgpu::RenderPipeline,
     mask: wgpu::TextureView,
     sampler: wgpu::Sampler,
 }
@@ -32,20 +36,14 @@ impl FlarePass {
     /// For a target's format and an aperture.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat, aperture: &Aperture) -> Self {
         let module = shader_module(gpu, &FLARE);
-        let attributes =
-            wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3];
+        let attributes = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3, 4 => Float32];
         let buffers = [Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<FlareVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &attributes,
         })];
-        let pipeline = added_pipeline(
-            gpu,
-            &module,
-            format,
-            &buffers,
-            wgpu::PrimitiveTopology::TriangleList,
-        );
+        let topology = wgpu::PrimitiveTopology::TriangleList;
+        let pipeline = |laid| added_pipeline(gpu, &module, format, &buffers, topology, laid);
         let mask = gpu.device.create_texture_with_data(
             &gpu.queue,
             &wgpu::TextureDescriptor {
@@ -72,20 +70,21 @@ impl FlarePass {
             ..Default::default()
         });
         Self {
-            pipeline,
+            added: pipeline(Laid::Added),
+            over: pipeline(Laid::Over),
             mask: mask.create_view(&wgpu::TextureViewDescriptor::default()),
             sampler,
         }
     }
 
-    /// Adds triangles to what `target` holds. The picture spans `half_mm` millimetres of the sensor to each side; `scale`
-    /// is the visible share of the source.
+    /// Lays a flare on what `target` holds. The picture spans `half_mm` millimetres of the sensor to each side; `scale` is the
+    /// visible share of the source.
     pub fn encode(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         target: &Target,
-        vertices: &[FlareVertex],
+        mesh: &FlareMesh,
         half_mm: [f64; 2],
         scale: f64,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
@@ -96,25 +95,32 @@ impl FlarePass {
             scale: scale as f32,
         };
         let uniforms = uniform_buffer(gpu, "flare", &frame);
-        let group = picture_group(gpu, &self.pipeline, &uniforms, &self.mask, &self.sampler);
-        let buffer = (!vertices.is_empty()).then(|| {
-            gpu.device.create_buffer_init(&BufferInitDescriptor {
-                label: Some("ghosts"),
-                contents: bytemuck::cast_slice(vertices),
-                usage: wgpu::BufferUsages::VERTEX,
-            })
-        });
+        // A buffer holds so many triangles at a time.
+        let most = (gpu.device.limits().max_buffer_size / size_of::<FlareVertex>() as u64).min(MOST_VERTICES);
+        let most = most as usize / 3 * 3;
+        let mut draws = Vec::new();
+        for (pipeline, vertices) in [(&self.added, &mesh.added), (&self.over, &mesh.over)] {
+            let group = picture_group(gpu, pipeline, &uniforms, &self.mask, &self.sampler);
+            for part in vertices.chunks(most) {
+                let buffer = gpu.device.create_buffer_init(&BufferInitDescriptor {
+                    label: Some("ghosts"),
+                    contents: bytemuck::cast_slice(part),
+                    usage: wgpu::BufferUsages::VERTEX,
+                });
+                draws.push((pipeline, group.clone(), buffer, part.len() as u32));
+            }
+        }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("flare"),
             color_attachments: &[target.kept()],
             timestamp_writes: timestamps,
             ..Default::default()
         });
-        if let Some(buffer) = &buffer {
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &group, &[]);
+        for (pipeline, group, buffer, count) in &draws {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
             pass.set_vertex_buffer(0, buffer.slice(..));
-            pass.draw(0..vertices.len() as u32, 0..1);
+            pass.draw(0..*count, 0..1);
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct FlareVertex {
     pub barrel: [f32; 2],
     /// Radiance added.
     pub radiance: [f32; 3],
+    /// Share of what lies below that is hidden, where ghosts are laid over others.
+    pub opacity: f32,
 }
 
 /// From a beam in the x-z plane to the picture.

@@ -1,28 +1,15 @@
 //! Adds the sun's starburst to a picture.
 
-use bytemuck::{Pod, Zeroable};
-use wgpu::util::{DeviceExt, TextureDataOrder};
+use glam::DVec2;
 
-use super::{Aperture, Diffraction, Wavelength};
-use crate::camera::shaders::STARBURST;
-use crate::gpu::{Gpu, Target, shader_module, uniform_buffer};
+use super::{Aperture, Diffraction, Sprite, Wavelength, encode_sprite};
+use crate::gpu::{Gpu, Target};
 
-/// Layout of `StarFrame` in `shaders/camera/starburst.wgsl`.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-struct StarFrame {
-    middle: [f32; 2],
-    half: [f32; 2],
-    radiance: [f32; 3],
-    padding: f32,
-}
-
-/// Side of the aperture's mask for the transform, texels; and how many pupil diameters it spans: two, so that the power,
-/// whose frequencies are twice the amplitude's, is sampled finely enough.
-const MASK_SIDE: usize = 4096;
+/// How many pupil diameters the aperture's mask spans: two, so that the power, whose frequencies are twice the amplitude's, is
+/// sampled finely enough.
 const MASK_REACH: f64 = 2.0;
-/// Side of the pattern, texels.
-const PATTERN_SIDE: u32 = 1024;
+/// Pattern's side by the transform's.
+const PATTERN_SHARE: usize = 4;
 
 /// A source's sharp image and where it stands.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +24,8 @@ pub struct Star {
     pub f_number: f64,
     /// Irradiance on a surface facing it, linear sRGB, already times its visible share.
     pub irradiance: [f64; 3],
+    /// Side of the aperture's mask for the transform, texels.
+    pub mask_side: usize,
 }
 
 /// Adds the image of a disc with its diffraction to `target`, whose picture spans `half_mm` to each side. The whole light of
@@ -50,72 +39,26 @@ pub fn encode_starburst(
     colours: &[Wavelength],
     half_mm: [f64; 2],
 ) {
-    let diffraction = Diffraction::of(aperture, MASK_SIDE, MASK_REACH);
-    let span_mm = 0.5 * MASK_SIDE as f64 * diffraction.bin_mm(0.5, star.f_number);
-    let spread = diffraction.spread(
-        colours,
-        star.f_number,
-        star.disc_mm,
-        PATTERN_SIDE as usize,
-        span_mm,
-    );
+    let diffraction = Diffraction::of(aperture, star.mask_side, MASK_REACH);
+    // All of the transform's bins in the middle of the spectrum.
+    let span_mm = 0.5 * star.mask_side as f64 * diffraction.bin_mm(0.5, star.f_number);
+    let side = star.mask_side / PATTERN_SHARE;
+    let spread = diffraction.spread(colours, star.f_number, star.disc_mm, side, span_mm);
     let most = spread
         .iter()
         .flatten()
         .fold(f32::MIN_POSITIVE, |most, &value| most.max(value));
-    // Half floats hold five digits: the pattern goes up to 1, its scale into the uniform.
-    let texels: Vec<[half::f16; 4]> = spread
-        .iter()
-        .map(|rgb| [rgb[0] / most, rgb[1] / most, rgb[2] / most, 0.0].map(half::f16::from_f32))
-        .collect();
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("starburst"),
-            size: wgpu::Extent3d {
-                width: PATTERN_SIDE,
-                height: PATTERN_SIDE,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        TextureDataOrder::LayerMajor,
-        bytemuck::cast_slice(&texels),
-    );
+    // Half floats hold five digits: the pattern goes up to 1, its scale into the factor. Its rows run from below.
+    let rows = spread.chunks_exact(side).rev().flatten();
+    let texels: Vec<[f32; 3]> = rows.map(|rgb| [0, 1, 2].map(|k: usize| rgb[k] / most)).collect();
     let scale = star.focal_mm * star.focal_mm * f64::from(most);
-    let frame = StarFrame {
-        middle: [0, 1].map(|axis| (star.at_mm[axis] / half_mm[axis]) as f32),
-        half: half_mm.map(|side| (span_mm / side) as f32),
-        radiance: star.irradiance.map(|channel| (channel * scale) as f32),
-        padding: 0.0,
+    let sprite = Sprite {
+        texels: &texels,
+        size: [side as u32; 2],
+        middle_mm: DVec2::from_array(star.at_mm),
+        half_mm: DVec2::splat(span_mm),
+        turn: 0.0,
+        radiance: star.irradiance.map(|channel| channel * scale),
     };
-    let uniforms = uniform_buffer(gpu, "starburst", &frame);
-    let module = shader_module(gpu, &STARBURST);
-    let pipeline = super::added_pipeline(
-        gpu,
-        &module,
-        target.texture.format(),
-        &[],
-        wgpu::PrimitiveTopology::TriangleStrip,
-    );
-    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let group = super::picture_group(gpu, &pipeline, &uniforms, &view, &sampler);
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("starburst"),
-        color_attachments: &[target.kept()],
-        ..Default::default()
-    });
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.draw(0..4, 0..1);
+    encode_sprite(gpu, encoder, target, &sprite, half_mm);
 }

@@ -1,0 +1,40 @@
+// An image laid over the film and added to the picture: the sun with its starburst, or a recorded flare. Host: src/camera/flare/sprite.rs.
+
+struct SpriteFrame {
+    // Its middle and half its sides before the turn, millimetres of the sensor, x right and y up.
+    middle_mm: vec2<f32>,
+    half_mm: vec2<f32>,
+    // Cosine and sine of its turn about the middle of the film.
+    turn: vec2<f32>,
+    // Half the picture, millimetres.
+    picture_half_mm: vec2<f32>,
+    // Factor on the image's values.
+    radiance: vec3<f32>,
+    padding: f32,
+}
+
+@group(0) @binding(0) var<uniform> sprite: SpriteFrame;
+@group(0) @binding(1) var image: texture_2d<f32>;
+@group(0) @binding(2) var image_sampler: sampler;
+
+struct SpriteVertex {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) place: vec2<f32>,
+}
+
+@vertex
+fn vs(@builtin(vertex_index) index: u32) -> SpriteVertex {
+    let corner = vec2<f32>(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
+    let at = sprite.middle_mm + sprite.half_mm * corner;
+    let turned = vec2<f32>(sprite.turn.x * at.x - sprite.turn.y * at.y, sprite.turn.y * at.x + sprite.turn.x * at.y);
+    // Rows of the image run from its top.
+    let place = vec2<f32>(0.5 + 0.5 * corner.x, 0.5 - 0.5 * corner.y);
+    return SpriteVertex(vec4<f32>(turned / sprite.picture_half_mm, 0.0, 1.0), place);
+}
+
+@fragment
+fn fs(in: SpriteVertex) -> @location(0) vec4<f32> {
+    // What a half float holds.
+    let light = textureSample(image, image_sampler, in.place).rgb * sprite.radiance;
+    return vec4<f32>(min(light, vec3<f32>(60000.0)), 0.0);
+}

@@ -1,0 +1,94 @@
+//! How the linear and the nonlinear image of a ghost come together (KR 10-1658883).
+
+use glam::DVec2;
+
+use super::grid::RayGrid;
+use super::linear::LinearGhost;
+use super::nonlinear::LINEAR_ENOUGH;
+
+/// The ways to blend.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Blend {
+    /// Each ghost is drawn one way, and all are added.
+    #[default]
+    Add,
+    /// Each ghost fades from its linear to its nonlinear image as it departs from linear, so that none changes at once.
+    Interpolate,
+    /// Linear images of all, and the nonlinear ones laid over them, as opaque as they depart from linear.
+    Alpha,
+}
+
+/// What of a nonlinear ghost is fitted to its linear image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fit {
+    /// Its size on the sensor.
+    pub size: bool,
+    /// Its light.
+    pub brightness: bool,
+}
+
+/// Shares of the linear and the nonlinear image of a ghost that departs from linear by `departure` (see `nonlinearity`).
+pub fn shares(blend: Blend, departure: f64) -> [f64; 2] {
+    let fade = ((departure / LINEAR_ENOUGH - 0.5) / 1.5).clamp(0.0, 1.0);
+    let smooth = fade * fade * (3.0 - 2.0 * fade);
+    match blend {
+        Blend::Add if departure > LINEAR_ENOUGH => [0.0, 1.0],
+        Blend::Add => [1.0, 0.0],
+        Blend::Interpolate => [1.0 - smooth, smooth],
+        Blend::Alpha => [1.0, smooth],
+    }
+}
+
+/// Light, middle and spread of points with weights.
+struct Moments {
+    light: f64,
+    middle: DVec2,
+    spread: f64,
+}
+
+impl Moments {
+    fn of(points: &[(DVec2, f64)]) -> Option<Self> {
+        let light: f64 = points.iter().map(|(_, weight)| weight).sum();
+        let middle = points.iter().map(|(at, weight)| *at * *weight).sum::<DVec2>() / light;
+        let square: f64 = points
+            .iter()
+            .map(|(at, weight)| (*at - middle).length_squared() * weight)
+            .sum();
+        let spread = (square / light).sqrt();
+        (light > 0.0 && spread > 0.0).then_some(Self {
+            light,
+            middle,
+            spread,
+        })
+    }
+}
+
+/// Fits a ghost's rays to its linear image: the spread (root mean square distance from the middle) by scaling about the
+/// middle, the light by a factor on the power. As it is where either image is empty.
+pub fn fitted(mut grid: RayGrid, linear: &LinearGhost, power: f64, fit: Fit) -> RayGrid {
+    let (mut traced, mut ideal) = (Vec::new(), Vec::new());
+    for (k, ray) in grid.rays.iter().enumerate() {
+        let entry = grid.entry(k);
+        if linear.stop(entry).length() <= linear.stop_mm && entry.length() <= linear.barrel_mm {
+            ideal.push((linear.sensor(entry), power));
+        }
+        if let Some(ray) = ray
+            && ray.relative_height <= 1.0
+            && ray.stop_mm.length() <= linear.stop_mm
+        {
+            traced.push((ray.sensor_mm, ray.power));
+        }
+    }
+    let (Some(traced), Some(ideal)) = (Moments::of(&traced), Moments::of(&ideal)) else {
+        return grid;
+    };
+    for ray in grid.rays.iter_mut().flatten() {
+        if fit.size {
+            ray.sensor_mm = traced.middle + (ray.sensor_mm - traced.middle) * (ideal.spread / traced.spread);
+        }
+        if fit.brightness {
+            ray.power *= ideal.light / traced.light;
+        }
+    }
+    grid
+}

@@ -1,0 +1,123 @@
+//! A ghost drawn from its linear image: the flare quad, from four entrance points or from two.
+//!
+//! KR 10-1465658; Lee & Eisemann 2013, section 4.
+
+use glam::DVec2;
+
+use super::Wavelength;
+use super::linear::LinearGhost;
+use super::source::{FlareSource, FlareVertex, radiance, turned};
+use crate::camera::path::Ghost;
+use crate::camera::trace::{Tracer, beam_direction};
+
+/// Columns and rows of two triangles' corners.
+const CORNERS: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)];
+
+/// Share of the way from a quad's middle to its side where a ray still passes the iris.
+const INNER: f64 = 0.6;
+
+/// The flare quad of a ghost: four entrance points, each carried by the matrices.
+pub fn quad(
+    tracer: &Tracer<'_>,
+    linear: &LinearGhost,
+    colour: Wavelength,
+    source: &FlareSource,
+    ghost: Ghost,
+) -> Vec<FlareVertex> {
+    if linear.is_shut() {
+        return Vec::new();
+    }
+    let corners = if source.whole_entrance {
+        [DVec2::ZERO, DVec2::splat(linear.barrel_mm)]
+    } else {
+        [linear.middle, linear.half]
+    };
+    let Some(losses) = Losses::of(tracer, linear, source, ghost) else {
+        return Vec::new();
+    };
+    let corner = |column: usize, row: usize| {
+        let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
+        let entry = corners[0] + corners[1] * side;
+        let radiance = radiance(source, colour, losses.power_at(entry), linear.f[0].powi(-2));
+        FlareVertex {
+            sensor_mm: turned(linear.sensor(entry), source),
+            stop: turned(linear.stop(entry) / -linear.stop_mm, source),
+            barrel: turned(entry / linear.barrel_mm, source),
+            radiance,
+            opacity: 0.0,
+        }
+    };
+    CORNERS.map(|(column, row)| corner(column, row)).to_vec()
+}
+
+/// The same from two entrance points, the ends of the pupil in the plane of the beam: the linear image is similar to the
+/// entrance, so that they tell a square sprite's middle and half its side, on the sensor and in the stop.
+pub fn two_rays(
+    tracer: &Tracer<'_>,
+    linear: &LinearGhost,
+    colour: Wavelength,
+    source: &FlareSource,
+    ghost: Ghost,
+) -> Vec<FlareVertex> {
+    if linear.is_shut() {
+        return Vec::new();
+    }
+    let Some(losses) = Losses::of(tracer, linear, source, ghost) else {
+        return Vec::new();
+    };
+    let reach = linear.half.max_element();
+    let ends = [-reach, reach].map(|along| linear.middle + DVec2::new(along, 0.0));
+    let [low, high] = ends.map(|entry| [linear.sensor(entry), linear.stop(entry) / -linear.stop_mm]);
+    // Brightness by the ratio of the two lengths, squared.
+    let areas = ((2.0 * reach) / (high[0].x - low[0].x)).powi(2);
+    let sprite = |k: usize, side: DVec2| 0.5 * (low[k] + high[k]) + 0.5 * (high[k].x - low[k].x) * side;
+    CORNERS
+        .map(|(column, row)| {
+            let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
+            let entry = linear.middle + reach * side;
+            FlareVertex {
+                sensor_mm: turned(sprite(0, side), source),
+                stop: turned(sprite(1, side), source),
+                barrel: turned(entry / linear.barrel_mm, source),
+                radiance: radiance(source, colour, losses.power_at(entry), areas),
+                opacity: 0.0,
+            }
+        })
+        .to_vec()
+}
+
+/// Share of the power that arrives, linear over the entrance.
+struct Losses {
+    middle: DVec2,
+    power: f64,
+    slope: DVec2,
+}
+
+impl Losses {
+    /// At the true angles of the ray through the middle (of an axial one where that ray does not arrive), changing by rays to
+    /// either side that the iris still lets through. None when neither arrives.
+    fn of(tracer: &Tracer<'_>, linear: &LinearGhost, source: &FlareSource, ghost: Ghost) -> Option<Self> {
+        let middle = tracer.trace(Some(ghost), linear.middle, beam_direction(source.angle));
+        let axial = || tracer.trace(Some(ghost), DVec2::ZERO, beam_direction(0.0));
+        let power = middle.or_else(axial)?.power;
+        let beside = |offset: DVec2| {
+            let inner = linear.middle + INNER * linear.half * offset;
+            tracer
+                .trace(Some(ghost), inner, beam_direction(source.angle))
+                .map_or(power, |ray| ray.power)
+        };
+        let slope = DVec2::new(
+            beside(DVec2::X) - beside(DVec2::NEG_X),
+            beside(DVec2::Y) - beside(DVec2::NEG_Y),
+        ) / (2.0 * INNER * linear.half);
+        Some(Self {
+            middle: linear.middle,
+            power,
+            slope,
+        })
+    }
+
+    fn power_at(&self, entry: DVec2) -> f64 {
+        self.power + self.slope.dot(entry - self.middle)
+    }
+}

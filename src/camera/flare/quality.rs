@@ -1,0 +1,54 @@
+//! What a flare may cost: one table.
+
+use super::FlareMode;
+
+/// Names of the table's rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Quality {
+    /// Quads in three colours.
+    Low,
+    /// Traced where ghosts are not linear, in three colours.
+    Medium,
+    /// The same with colour fringes.
+    High,
+    /// Every ghost traced.
+    Ultra,
+}
+
+/// A row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Preset {
+    /// How ghosts are made.
+    pub mode: FlareMode,
+    /// Wavelengths of ghosts.
+    pub wavelengths: usize,
+    /// Rays along a side of a traced ghost's grid.
+    pub rays: usize,
+    /// Wavelengths of the starburst.
+    pub star_wavelengths: usize,
+    /// Side of its transform.
+    pub star_side: usize,
+}
+
+const fn preset(mode: FlareMode, numbers: [usize; 4]) -> Preset {
+    let [wavelengths, rays, star_wavelengths, star_side] = numbers;
+    Preset {
+        mode,
+        wavelengths,
+        rays,
+        star_wavelengths,
+        star_side,
+    }
+}
+
+impl Quality {
+    /// Its row: ghosts, their wavelengths and rays a side; the starburst's wavelengths and side.
+    pub const fn preset(self) -> Preset {
+        match self {
+            Self::Low => preset(FlareMode::Paraxial, [3, 2, 7, 1024]),
+            Self::Medium => preset(FlareMode::Blended, [3, 24, 11, 2048]),
+            Self::High => preset(FlareMode::Blended, [7, 40, 15, 4096]),
+            Self::Ultra => preset(FlareMode::Exact, [15, 64, 31, 4096]),
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The table of whole images by the angle of the light, and by its turn where the aperture or the lens has no symmetry: out
+//! of photos of a small light (KR 10-1658883), or drawn.
+//!
+//! Radiance is for a light of irradiance 1; stored as 8-bit square roots over the part of the film that is lit.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+/// An image of the light's flare.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LightImage {
+    /// Angle of the light from the axis, radians.
+    pub angle: f64,
+    /// Its direction in the picture, from right towards up, radians.
+    pub turn: f64,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Corners on the film, millimetres, x right and y up.
+    pub low_mm: [f64; 2],
+    /// See `low_mm`.
+    pub high_mm: [f64; 2],
+    /// Radiance of the brightest value.
+    brightest: f32,
+    /// RGB, rows from the top: 255 · root of the share of the brightest.
+    #[serde(with = "serde_bytes")]
+    roots: Vec<u8>,
+}
+
+/// Images by angle and turn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImageTable {
+    /// Whether the linear part of the flare is drawn beside the images.
+    pub with_linear: bool,
+    images: Vec<LightImage>,
+}
+
+/// An image to lay down.
+#[derive(Clone, Copy, Debug)]
+pub struct PlayedImage<'a> {
+    /// It.
+    pub image: &'a LightImage,
+    /// Share of its light.
+    pub share: f64,
+    /// To be turned by, anticlockwise, radians.
+    pub turn: f64,
+}
+
+impl LightImage {
+    /// Of linear radiance on a film that spans `half_mm` to each side, RGB, rows from the top; cut to what is lit.
+    pub fn new(angle: f64, turn: f64, radiance: &[[f32; 3]], size: [u32; 2], half_mm: [f64; 2]) -> Self {
+        let brightest = radiance
+            .iter()
+            .flatten()
+            .fold(0.0_f32, |most, &value| most.max(value));
+        let root =
+            |value: f32| (255.0 * (value.max(0.0) / brightest.max(f32::MIN_POSITIVE)).sqrt()).round() as u8;
+        let [columns, rows] = size.map(|side| side as usize);
+        let lit = |column: usize, row: usize| {
+            radiance[row * columns + column]
+                .iter()
+                .any(|&value| root(value) > 0)
+        };
+        let (mut first, mut last) = ([columns, rows], [0, 0]);
+        for (column, row) in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
+            if lit(column, row) {
+                first = [first[0].min(column), first[1].min(row)];
+                last = [last[0].max(column + 1), last[1].max(row + 1)];
+            }
+        }
+        if first[0] >= last[0] {
+            (first, last) = ([0, 0], [1, 1]);
+        }
+        let roots = (first[1]..last[1])
+            .flat_map(|row| &radiance[row * columns + first[0]..row * columns + last[0]])
+            .flatten()
+            .map(|&value| root(value))
+            .collect();
+        let x_mm = |column: usize| (2.0 * column as f64 / columns as f64 - 1.0) * half_mm[0];
+        let y_mm = |row: usize| (1.0 - 2.0 * row as f64 / rows as f64) * half_mm[1];
+        Self {
+            angle,
+            turn,
+            size: [(last[0] - first[0]) as u32, (last[1] - first[1]) as u32],
+            low_mm: [x_mm(first[0]), y_mm(last[1])],
+            high_mm: [x_mm(last[0]), y_mm(first[1])],
+            brightest,
+            roots,
+        }
+    }
+
+    /// Linear radiance, RGB, rows from the top.
+    pub fn radiance(&self) -> Vec<[f32; 3]> {
+        let (pixels, _) = self.roots.as_chunks::<3>();
+        let value = |root: u8| (f32::from(root) / 255.0).powi(2) * self.brightest;
+        pixels.iter().map(|rgb| rgb.map(value)).collect()
+    }
+
+    fn is_sound(&self) -> bool {
+        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        let numbers = [self.low_mm, self.high_mm, [self.angle, self.turn]];
+        pixels > 0
+            && 3 * pixels == self.roots.len() as u64
+            && self.size.iter().all(|&side| side <= 8192)
+            && self.brightest.is_finite()
+            && numbers.iter().flatten().all(|number| number.is_finite())
+    }
+}
+
+impl ImageTable {
+    /// Of images in any order.
+    pub fn new(mut images: Vec<LightImage>, with_linear: bool) -> Self {
+        images.sort_by(|a, b| a.turn.total_cmp(&b.turn).then(a.angle.total_cmp(&b.angle)));
+        Self { with_linear, images }
+    }
+
+    /// Number of images.
+    pub fn len(&self) -> usize {
+        self.images.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.images.is_empty()
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        let ordered = |pair: &[LightImage]| (pair[0].turn, pair[0].angle) < (pair[1].turn, pair[1].angle);
+        !self.is_empty()
+            && self.images.iter().all(LightImage::is_sound)
+            && self.images.windows(2).all(ordered)
+    }
+
+    /// The images that make the flare of a light, at most four: the nearest angles on both sides, at the nearest turns on both
+    /// sides where there are several, each turned the rest of the way. None beyond the largest angle.
+    pub fn play(&self, angle: f64, turn: f64) -> Vec<PlayedImage<'_>> {
+        let columns: Vec<&[LightImage]> = self.images.chunk_by(|a, b| a.turn == b.turn).collect();
+        let turn = turn.rem_euclid(TAU);
+        // Turns on both sides, round the circle.
+        let next = columns
+            .iter()
+            .position(|column| column[0].turn.rem_euclid(TAU) > turn)
+            .unwrap_or(0);
+        let before = (next + columns.len() - 1) % columns.len();
+        let way = |from: f64, to: f64| (to - from).rem_euclid(TAU);
+        let [low, high] = [before, next].map(|k| columns[k][0].turn.rem_euclid(TAU));
+        let span = way(low, high);
+        let share = if before == next || span <= 0.0 {
+            0.0
+        } else {
+            way(low, turn) / span
+        };
+        let mut played = Vec::new();
+        for (column, share) in [(before, 1.0 - share), (next, share)] {
+            let images = columns[column];
+            let Some(above) = images.iter().position(|image| image.angle >= angle) else {
+                continue;
+            };
+            let below = above.saturating_sub(1);
+            let span = images[above].angle - images[below].angle;
+            let along = if span > 0.0 {
+                (angle - images[below].angle) / span
+            } else {
+                1.0
+            };
+            for (image, part) in [(&images[below], 1.0 - along), (&images[above], along)] {
+                if share * part > 0.0 {
+                    played.push(PlayedImage {
+                        image,
+                        share: share * part,
+                        turn: turn - image.turn,
+                    });
+                }
+            }
+        }
+        played
+    }
+}

@@ -1,0 +1,18 @@
+//! Ghosts recorded beforehand: the look-up table of strongly nonlinear ghosts (KR 10-1658883).
+//!
+//! ```text
+//! lens ─▶ bake (grids of rays by angle) ─▶ FlareTable ─┐
+//! photos, or whole flares by two angles ─▶ ImageTable ─┴▶ file ─▶ play-back
+//! ```
+
+mod bake;
+mod file;
+mod images;
+mod photos;
+mod rays;
+mod step;
+
+pub use file::{TableError, TableFile, open_table, write_table};
+pub use images::{ImageTable, LightImage};
+pub use photos::table_from_photos;
+pub use rays::FlareTable;

@@ -1,0 +1,118 @@
+//! Photos of a small light at known angles, as a table of images (KR 10-1658883).
+//!
+//! The list is a CSV file: `file,theta_deg` and, where the light was also turned round the axis, `phi_deg` (from right towards
+//! up). Files count from the list's folder; PNG or JPEG with sRGB values.
+
+use std::path::{Path, PathBuf};
+
+use image::DynamicImage;
+use rayon::prelude::*;
+use serde::Deserialize;
+
+use super::{ImageTable, LightImage, TableError};
+
+/// Photos are reduced to this width at most, pixels.
+const MOST_WIDTH: u32 = 480;
+
+#[derive(Deserialize)]
+struct Row {
+    file: PathBuf,
+    theta_deg: f64,
+    #[serde(default)]
+    phi_deg: f64,
+}
+
+/// Reads the listed photos, less a photo taken with the light off where there is one. Their width spans `film_width_mm`; a
+/// white pixel is radiance `white` under a light of irradiance 1.
+pub fn table_from_photos(
+    list: &Path,
+    dark: Option<&Path>,
+    film_width_mm: f64,
+    white: f32,
+) -> Result<ImageTable, TableError> {
+    let unfit = |path: &Path, why: String| TableError::Photos {
+        path: path.to_owned(),
+        why,
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(list)
+        .map_err(|error| unfit(list, error.to_string()))?;
+    let rows: Vec<Row> = reader
+        .deserialize()
+        .collect::<Result<_, _>>()
+        .map_err(|error| unfit(list, format!("{error}; its columns are file,theta_deg[,phi_deg]")))?;
+    if rows.is_empty() {
+        return Err(unfit(list, "lists no photos".to_owned()));
+    }
+    let dark = dark.map(linear).transpose()?;
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let images = rows
+        .par_iter()
+        .map(|row| {
+            let path = folder.join(&row.file);
+            if !(0.0..90.0).contains(&row.theta_deg) || !row.phi_deg.is_finite() {
+                return Err(unfit(
+                    list,
+                    format!("{}: theta_deg must be 0 to 90", row.file.display()),
+                ));
+            }
+            let (mut light, size) = linear(&path)?;
+            if let Some((dark, dark_size)) = &dark {
+                if *dark_size != size {
+                    return Err(unfit(
+                        &path,
+                        "is not as large as the photo with the light off".to_owned(),
+                    ));
+                }
+                for (rgb, dark) in light.iter_mut().zip(dark) {
+                    *rgb = [0, 1, 2].map(|k: usize| (rgb[k] - dark[k]).max(0.0));
+                }
+            }
+            for rgb in &mut light {
+                *rgb = rgb.map(|value| value * white);
+            }
+            let half_width = 0.5 * film_width_mm;
+            let half_mm = [half_width, half_width * f64::from(size[1]) / f64::from(size[0])];
+            let [angle, turn] = [row.theta_deg, row.phi_deg].map(f64::to_radians);
+            Ok(LightImage::new(angle, turn, &light, size, half_mm))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let table = ImageTable::new(images, false);
+    if !table.is_sound() {
+        return Err(unfit(list, "lists the same angles twice".to_owned()));
+    }
+    Ok(table)
+}
+
+/// A photo's linear light, white = 1, reduced in size; and its columns and rows.
+fn linear(path: &Path) -> Result<(Vec<[f32; 3]>, [u32; 2]), TableError> {
+    let unfit = |why: String| TableError::Photos {
+        path: path.to_owned(),
+        why,
+    };
+    let photo = image::ImageReader::open(path)
+        .and_then(|reader| reader.with_guessed_format())
+        .map_err(|error| unfit(error.to_string()))?
+        .decode()
+        .map_err(|error| unfit(format!("{error}; give PNG or JPEG")))?;
+    let mut encoded = photo.into_rgb32f();
+    // IEC 61966-2-1: sums of light are sums of linear values.
+    for value in encoded.iter_mut() {
+        *value = if *value <= 0.040_45 {
+            *value / 12.92
+        } else {
+            ((*value + 0.055) / 1.055).powf(2.4)
+        };
+    }
+    let (width, height) = encoded.dimensions();
+    let mut light = DynamicImage::from(encoded);
+    if width > MOST_WIDTH {
+        let rows = (u64::from(height) * u64::from(MOST_WIDTH) / u64::from(width)).max(1) as u32;
+        light = light.resize_exact(MOST_WIDTH, rows, image::imageops::FilterType::Triangle);
+    }
+    let light = light.into_rgb32f();
+    let size = [light.width(), light.height()];
+    Ok((light.pixels().map(|pixel| pixel.0).collect(), size))
+}

@@ -1,0 +1,235 @@
+//! The table of grids of rays, and its play-back.
+//!
+//! Between angles, colours and rays the table is interpolated; the turn round the axis is made at play-back, as the lens is
+//! symmetrical.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::step::{COLOURS_UM, Open, SIDE, STORED, Step, VALUES, Values};
+use crate::camera::flare::grid::RayGrid;
+use crate::camera::path::Ghost;
+use crate::camera::trace::TracedRay;
+
+/// The table of a lens at an f-number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlareTable {
+    /// f-number it was baked for.
+    pub f_number: f64,
+    pub(super) ghosts: Vec<TabledGhost>,
+}
+
+/// One ghost's grids by angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TabledGhost {
+    pub(super) first: usize,
+    pub(super) second: usize,
+    pub(super) steps: Vec<Step>,
+}
+
+/// A ghost at an angle.
+#[derive(Clone, Debug)]
+pub struct PlayedGhost {
+    open: Open,
+}
+
+impl FlareTable {
+    /// A ghost's grids; none for one that is linear enough.
+    pub fn ghost(&self, ghost: Ghost) -> Option<&TabledGhost> {
+        self.ghosts
+            .iter()
+            .find(|tabled| (tabled.first, tabled.second) == (ghost.first, ghost.second))
+    }
+
+    /// Number of ghosts in it.
+    pub fn len(&self) -> usize {
+        self.ghosts.len()
+    }
+
+    /// Whether every ghost is linear enough.
+    pub fn is_empty(&self) -> bool {
+        self.ghosts.is_empty()
+    }
+
+    /// Number of angles, all ghosts together.
+    pub fn steps(&self) -> usize {
+        self.ghosts.iter().map(|ghost| ghost.steps.len()).sum()
+    }
+
+    /// Bytes of all grids.
+    pub fn bytes(&self) -> usize {
+        let steps = self.ghosts.iter().flat_map(|ghost| &ghost.steps);
+        steps
+            .map(|step| 16 + step.light.as_ref().map_or(0, |light| light.bytes()))
+            .sum()
+    }
+
+    /// Whether all sizes and numbers are sound (a file may be damaged).
+    pub(super) fn is_sound(&self) -> bool {
+        self.ghosts.iter().all(|ghost| {
+            let ordered = ghost.steps.windows(2).all(|pair| pair[0].angle < pair[1].angle);
+            let lights = ghost.steps.iter().flat_map(|step| &step.light);
+            !ghost.steps.is_empty()
+                && ordered
+                && ghost.steps.iter().all(|step| step.angle.is_finite())
+                && lights.into_iter().all(|light| light.is_sound())
+        })
+    }
+}
+
+impl TabledGhost {
+    /// Departure from linear at an angle, radians.
+    pub fn departure(&self, angle: f64) -> f64 {
+        let next = self.steps.iter().position(|step| step.angle >= angle);
+        let Some(next) = next else {
+            return f64::INFINITY;
+        };
+        let high = &self.steps[next];
+        let low = &self.steps[next.saturating_sub(1)];
+        let share = (angle - low.angle) / (high.angle - low.angle).max(1e-12);
+        let (from, to) = (f64::from(low.departure), f64::from(high.departure));
+        from + (to - from) * share.clamp(0.0, 1.0)
+    }
+
+    /// The ghost at an angle; none beyond the table and where no light gets through.
+    pub fn at(&self, angle: f64) -> Option<PlayedGhost> {
+        between(&self.steps, angle).map(|open| PlayedGhost { open })
+    }
+}
+
+/// Grids at an angle between steps: cubic Hermite with the slopes of the parabola through each three angles; straight where
+/// a neighbour is missing. None where either side lets no light through.
+pub fn between(steps: &[Step], angle: f64) -> Option<Open> {
+    let next = steps.iter().position(|step| step.angle >= angle)?;
+    let light = |index: Option<usize>| Some((steps.get(index?)?.angle, steps[index?].light.as_ref()?.open()));
+    if next == 0 || steps[next].angle == angle {
+        return light(Some(next)).map(|(_, open)| open);
+    }
+    let (low, high) = (light(Some(next - 1))?, light(Some(next))?);
+    let (before, after) = (light(next.checked_sub(2)), light(Some(next + 1)));
+    let mix = |of: &dyn Fn(&Open) -> Option<f64>| {
+        let point = |side: &(f64, Open)| Some((side.0, of(&side.1)?));
+        let outer = |side: &Option<(f64, Open)>| side.as_ref().and_then(point);
+        Some(hermite(
+            [outer(&before), point(&low), point(&high), outer(&after)],
+            angle,
+        ))
+        .flatten()
+    };
+    let corner = |k: usize| {
+        let along = |axis: usize| mix(&|open: &Open| Some(open.window[k][axis]));
+        Some(DVec2::new(along(0)?, along(1)?))
+    };
+    let rays = |colour: usize| {
+        (0..STORED)
+            .map(|ray| {
+                let mut values = [0.0; VALUES];
+                for (k, value) in values.iter_mut().enumerate() {
+                    *value = mix(&|open: &Open| open.colours[colour][ray].map(|values| values[k]))?;
+                }
+                Some(values)
+            })
+            .collect()
+    };
+    Some(Open {
+        window: [corner(0)?, corner(1)?],
+        colours: [rays(0), rays(1)],
+    })
+}
+
+/// Through the two inner points, with the outer ones' help where they are known.
+fn hermite(points: [Option<(f64, f64)>; 4], at: f64) -> Option<f64> {
+    let [before, low, high, after] = points;
+    let ((x1, y1), (x2, y2)) = (low?, high?);
+    let span = x2 - x1;
+    let secant = (y2 - y1) / span;
+    // Slope at the point between two spans of the parabola through all three.
+    let slope = |outer: Option<(f64, f64)>, x: f64, y: f64| {
+        outer.map_or(secant, |(x0, y0)| {
+            let reach = (x - x0).abs();
+            let other = (y - y0) / (x - x0);
+            (other * span + secant * reach) / (span + reach)
+        })
+    };
+    let (m1, m2) = (slope(before, x1, y1), slope(after, x2, y2));
+    let t = (at - x1) / span;
+    let (t2, t3) = (t * t, t * t * t);
+    Some(
+        (2.0 * t3 - 3.0 * t2 + 1.0) * y1
+            + (t3 - 2.0 * t2 + t) * span * m1
+            + (3.0 * t2 - 2.0 * t3) * y2
+            + (t3 - t2) * span * m2,
+    )
+}
+
+impl PlayedGhost {
+    /// Its rays in one colour, on a grid of `side` rays a side.
+    pub fn grid(&self, wavelength_um: f64, side: usize) -> RayGrid {
+        let inverse_square = |um: f64| um.powi(-2);
+        let [blue, red] = COLOURS_UM.map(inverse_square);
+        let share = (inverse_square(wavelength_um) - blue) / (red - blue);
+        let coarse: Vec<Option<Values>> = (0..SIDE * SIDE)
+            .map(|k| {
+                // The other half is this one's mirror image.
+                let (column, row) = (k % SIDE, k / SIDE);
+                let (stored, mirror) = if row < SIDE / 2 {
+                    (row, 1.0)
+                } else {
+                    (SIDE - 1 - row, -1.0)
+                };
+                let index = stored * SIDE + column;
+                let (a, b) = (self.open.colours[0][index]?, self.open.colours[1][index]?);
+                let mut mixed: Values = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share);
+                mixed[1] *= mirror;
+                mixed[3] *= mirror;
+                Some(mixed)
+            })
+            .collect();
+        let side = side.max(2);
+        let rays = (0..side * side)
+            .map(|k| {
+                let place = |index: usize| index as f64 / (side - 1) as f64 * (SIDE - 1) as f64;
+                smooth(&coarse, place(k % side), place(k / side)).map(|value| TracedRay {
+                    sensor_mm: DVec2::new(value[0], value[1]),
+                    stop_mm: DVec2::new(value[2], value[3]),
+                    relative_height: value[4],
+                    relative_stop: 0.0,
+                    power: value[5] * value[5],
+                })
+            })
+            .collect();
+        let [low, high] = self.open.window;
+        RayGrid {
+            low,
+            high,
+            side,
+            rays,
+        }
+    }
+}
+
+/// Catmull & Rom's spline (1974) through a grid's values; straight between two where the ones beyond are missing.
+fn smooth(grid: &[Option<Values>], x: f64, y: f64) -> Option<Values> {
+    let along = |at: f64, value: &dyn Fn(usize) -> Option<Values>| -> Option<Values> {
+        let index = (at.floor() as usize).min(SIDE - 2);
+        let t = at - index as f64;
+        let (p1, p2) = (value(index)?, value(index + 1)?);
+        let beyond = |from: Values, to: Values| std::array::from_fn(|k| 2.0 * from[k] - to[k]);
+        let p0 = index
+            .checked_sub(1)
+            .and_then(value)
+            .unwrap_or_else(|| beyond(p1, p2));
+        let p3 = Some(index + 2)
+            .filter(|&k| k < SIDE)
+            .and_then(value)
+            .unwrap_or_else(|| beyond(p2, p1));
+        Some(std::array::from_fn(|k| {
+            let (a, b, c, d) = (p0[k], p1[k], p2[k], p3[k]);
+            0.5 * (2.0 * b
+                + (c - a) * t
+                + (2.0 * a - 5.0 * b + 4.0 * c - d) * t * t
+                + (3.0 * b - a - 3.0 * c + d) * t * t * t)
+        }))
+    };
+    along(y, &|row| along(x, &|column| grid[row * SIDE + column]))
+}

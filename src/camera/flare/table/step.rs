@@ -1,0 +1,188 @@
+//! One ghost at one angle: a coarse grid of rays in two colours, small.
+
+use glam::DVec2;
+use half::f16;
+use serde::{Deserialize, Serialize};
+
+use crate::camera::flare::grid::RayGrid;
+
+/// Rays along a side of a stored grid, even.
+pub const SIDE: usize = 10;
+/// Rays stored: the half below the beam's plane, as the other half is its mirror image.
+pub const STORED: usize = SIDE * SIDE / 2;
+/// Wavelengths that are stored, micrometres; others follow by 1 / wavelength², in which glass is nearly linear (Cauchy).
+pub const COLOURS_UM: [f64; 2] = [0.475, 0.650];
+/// Values of a ray: sensor place x, y (mm), place in the stop x, y (mm), relative height, root of the power.
+pub const VALUES: usize = 6;
+
+/// Values of one ray.
+pub type Values = [f64; VALUES];
+
+/// Grids at one angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Radians.
+    pub angle: f64,
+    /// Departure from linear there (see `nonlinearity`); large where no light gets through.
+    pub departure: f32,
+    /// The light; none where none gets through.
+    pub light: Option<Light>,
+}
+
+/// What gets through.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Light {
+    /// Corners of the entrance window, millimetres.
+    pub window: [DVec2; 2],
+    /// Middle of the sensor places, along the beam's plane, millimetres.
+    middle_mm: f64,
+    /// Value after value, the low and then the high bytes of all rays' f16; a lost ray is infinitely high. Sensor places count
+    /// from the middle. This order packs well.
+    #[serde(with = "serde_bytes")]
+    blue: Vec<u8>,
+    /// How far the second colour differs, in steps of `red_step`, value after value.
+    #[serde(with = "serde_bytes")]
+    red: Vec<u8>,
+    red_step: [f32; VALUES],
+}
+
+/// A step as numbers.
+#[derive(Clone, Debug)]
+pub struct Open {
+    /// Corners of the entrance window, millimetres.
+    pub window: [DVec2; 2],
+    /// Rays per colour; none where lost.
+    pub colours: [Vec<Option<Values>>; 2],
+}
+
+impl Light {
+    /// From the traced grids of both colours.
+    pub fn packed(grids: [&RayGrid; 2]) -> Self {
+        let values = |grid: &RayGrid| -> Vec<Option<Values>> {
+            let stored = grid.rays.iter().take(STORED);
+            stored
+                .map(|ray| {
+                    ray.map(|ray| {
+                        let (at, stop) = (ray.sensor_mm, ray.stop_mm);
+                        [
+                            at.x,
+                            at.y,
+                            stop.x,
+                            stop.y,
+                            ray.relative_height,
+                            ray.power.max(0.0).sqrt(),
+                        ]
+                    })
+                })
+                .collect()
+        };
+        let [blue, red] = grids.map(values);
+        let alive = blue.iter().flatten().count().max(1) as f64;
+        let middle_mm = blue.iter().flatten().map(|values| values[0]).sum::<f64>() / alive;
+        let stored: Vec<[f16; VALUES]> = blue
+            .iter()
+            .zip(&red)
+            .map(|(blue, red)| match (blue, red) {
+                (Some(blue), Some(_)) => {
+                    let [x, y, stop_x, stop_y, height, root] = *blue;
+                    [x - middle_mm, y, stop_x, stop_y, height, root].map(f16::from_f64)
+                }
+                _ => [f16::INFINITY; VALUES],
+            })
+            .collect();
+        // The second colour against the first as stored, so that roundings do not add up.
+        let differences: Vec<Values> = stored
+            .iter()
+            .zip(&red)
+            .map(|(blue, red)| match red {
+                Some(red) if blue[0].is_finite() => std::array::from_fn(|k| {
+                    let stored = blue[k].to_f64() + if k == 0 { middle_mm } else { 0.0 };
+                    red[k] - stored
+                }),
+                _ => [0.0; VALUES],
+            })
+            .collect();
+        let red_step: [f32; VALUES] = std::array::from_fn(|k| {
+            let most = differences.iter().map(|ray| ray[k].abs()).fold(0.0, f64::max);
+            (most / 127.0).max(1e-30) as f32
+        });
+        let bytes = |pick: fn(f16) -> u8| {
+            move |k: usize, stored: &[[f16; VALUES]]| -> Vec<u8> {
+                stored.iter().map(|ray| pick(ray[k])).collect()
+            }
+        };
+        let low = bytes(|value| value.to_le_bytes()[0]);
+        let high = bytes(|value| value.to_le_bytes()[1]);
+        Self {
+            window: [grids[0].low, grids[0].high],
+            middle_mm,
+            blue: (0..VALUES)
+                .flat_map(|k| [low(k, &stored), high(k, &stored)].concat())
+                .collect(),
+            red: (0..VALUES)
+                .flat_map(|k| differences.iter().map(move |ray| (ray[k], k)))
+                .map(|(value, k)| (value / f64::from(red_step[k])).round().clamp(-127.0, 127.0) as i8 as u8)
+                .collect(),
+            red_step,
+        }
+    }
+
+    /// Whether the sizes are those of a table this program writes.
+    pub fn is_sound(&self) -> bool {
+        let numbers = [
+            self.window[0].x,
+            self.window[0].y,
+            self.window[1].x,
+            self.window[1].y,
+        ];
+        self.blue.len() == 2 * VALUES * STORED
+            && self.red.len() == VALUES * STORED
+            && numbers.iter().all(|number| number.is_finite())
+            && self.middle_mm.is_finite()
+            && self.red_step.iter().all(|step| step.is_finite())
+    }
+
+    /// Bytes of its numbers.
+    pub fn bytes(&self) -> usize {
+        self.blue.len() + self.red.len() + 4 * VALUES + 40
+    }
+
+    /// The numbers.
+    pub fn open(&self) -> Open {
+        let blue = |ray: usize, k: usize| {
+            let at = 2 * k * STORED + ray;
+            let value = f16::from_le_bytes([self.blue[at], self.blue[at + STORED]]).to_f64();
+            if k == 0 { value + self.middle_mm } else { value }
+        };
+        let red = |ray: usize, k: usize| {
+            let steps = self.red[k * STORED + ray] as i8;
+            blue(ray, k) + f64::from(steps) * f64::from(self.red_step[k])
+        };
+        let rays = |value: &dyn Fn(usize, usize) -> f64| -> Vec<Option<Values>> {
+            (0..STORED)
+                .map(|ray| {
+                    let values: Values = std::array::from_fn(|k| value(ray, k));
+                    values.iter().all(|value| value.is_finite()).then_some(values)
+                })
+                .collect()
+        };
+        Open {
+            window: self.window,
+            colours: [rays(&blue), rays(&red)],
+        }
+    }
+}
+
+impl Open {
+    /// Largest distance on the sensor of rays that get through in both, millimetres.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let open = |values: &&Values| values[4] <= 1.0;
+        let pairs = self.colours.iter().flatten().zip(other.colours.iter().flatten());
+        pairs
+            .filter_map(|(a, b)| {
+                let (a, b) = (a.as_ref().filter(open)?, b.as_ref().filter(open)?);
+                Some((a[0] - b[0]).hypot(a[1] - b[1]))
+            })
+            .fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,52 @@
+//! Where grids of rays are traced: on the CPU in f64, or on the GPU in f32.
+
+use rayon::prelude::*;
+
+use super::grid::RayGrid;
+use crate::camera::lens::Lens;
+use crate::camera::rays::{Bundle, RayPass};
+use crate::camera::trace::{Tracer, beam_direction};
+use crate::gpu::{Gpu, GpuError};
+
+/// The place.
+#[derive(Clone, Copy)]
+pub enum Tracing<'a> {
+    /// f64, all cores.
+    Cpu,
+    /// f32.
+    Gpu(&'a Gpu, &'a RayPass),
+}
+
+impl Tracing<'_> {
+    /// A grid of `side` rays a side for every bundle.
+    pub fn grids(
+        &self,
+        lens: &Lens,
+        sensor_gap_mm: f64,
+        bundles: &[Bundle],
+        side: usize,
+    ) -> Result<Vec<RayGrid>, GpuError> {
+        let side = side.max(2);
+        Ok(match self {
+            Self::Cpu => bundles
+                .par_iter()
+                .map(|bundle| {
+                    let tracer = Tracer::new(lens, bundle.wavelength_um, sensor_gap_mm);
+                    let mut grid = RayGrid::new(bundle, side, Vec::with_capacity(side * side));
+                    for k in 0..side * side {
+                        let direction = beam_direction(bundle.angle);
+                        let ray = tracer.trace(bundle.ghost, grid.entry(k), direction);
+                        grid.rays.push(ray);
+                    }
+                    grid
+                })
+                .collect(),
+            Self::Gpu(gpu, pass) => pass
+                .trace(gpu, lens, sensor_gap_mm, bundles, side)?
+                .into_iter()
+                .zip(bundles)
+                .map(|(rays, bundle)| RayGrid::new(bundle, side, rays))
+                .collect(),
+        })
+    }
+}

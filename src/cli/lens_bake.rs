@@ -1,0 +1,115 @@
+//! `rilievo lens bake`: a lens's ghosts recorded beforehand, traced, drawn or from photos.
+
+use std::path::PathBuf;
+
+use super::CommandError;
+use super::lens_flare::{aperture, most_angle};
+use crate::camera::flare::{
+    Blend, Fit, FlareMode, FlareRecipe, FlareSource, FlareTable, Pattern, TableFile, table_from_photos,
+    write_table,
+};
+use crate::camera::lens::{Lens, open};
+use crate::gpu::Gpu;
+use crate::output::{FlareRenderer, RenderError};
+
+/// Flags of `lens bake`.
+#[derive(Debug, clap::Args)]
+pub struct BakeArgs {
+    /// A built-in name or a file.
+    lens: String,
+    /// The f-number.
+    #[arg(long, value_parser = super::lens_flags::f_number, required_unless_present = "photos")]
+    f_number: Option<f64>,
+    /// Images over two angles instead of rays over one: ANGLESxTURNS, such as 16x8; for irises without symmetry.
+    #[arg(long, value_parser = super::render::size, conflicts_with = "photos")]
+    two_angles: Option<[u32; 2]>,
+    /// Blades of the iris in those images.
+    #[arg(long, default_value_t = 8, requires = "two_angles")]
+    blades: u32,
+    /// Photos of a small light: a CSV file with the columns file, theta_deg (from the axis) and, if it was turned too, phi_deg.
+    #[arg(long)]
+    photos: Option<PathBuf>,
+    /// A photo with the light off, taken away from the others.
+    #[arg(long, requires = "photos")]
+    dark: Option<PathBuf>,
+    /// Width of the sensor that took the photos, millimetres [default: the lens's film].
+    #[arg(long, requires = "photos")]
+    film_mm: Option<f64>,
+    /// Radiance of the photos' white under a light of irradiance 1, per steradian.
+    #[arg(long, default_value_t = 1.0, requires = "photos")]
+    white: f32,
+    /// The table to write.
+    #[arg(long)]
+    out: PathBuf,
+}
+
+/// Pixels of a baked image.
+const IMAGE_SIZE: [u32; 2] = [360, 240];
+
+/// Bakes and writes.
+pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
+    let lens = open(&args.lens)?;
+    let table = match (&args.photos, args.two_angles, args.f_number) {
+        (Some(list), _, _) => {
+            let film_mm = args.film_mm.unwrap_or(lens.film_mm[0]);
+            if !(film_mm > 0.0 && args.white > 0.0 && args.white.is_finite()) {
+                return Err(CommandError::Argument(
+                    "--film-mm and --white: give numbers above 0".to_owned(),
+                ));
+            }
+            let table = table_from_photos(list, args.dark.as_deref(), film_mm, args.white)?;
+            say!("{} photos", table.len());
+            TableFile::Images(table)
+        }
+        (None, Some(steps), Some(f_number)) => {
+            if steps[0] < 2 || steps.iter().any(|&count| count > 256) {
+                return Err(CommandError::Argument(
+                    "--two-angles: give 2 to 256 angles and 1 to 256 turns".to_owned(),
+                ));
+            }
+            let gpu = Gpu::open().map_err(RenderError::from)?;
+            let renderer = FlareRenderer::new(&gpu, &aperture(args.blades));
+            let recipe = FlareRecipe {
+                lens: &lens,
+                source: FlareSource {
+                    angle: 0.0,
+                    turn: 0.0,
+                    irradiance: [1.0; 3],
+                    f_number,
+                    wavelengths: 3,
+                    rays: 32,
+                    whole_entrance: false,
+                },
+                mode: FlareMode::Blended,
+                only: None,
+                pattern: Pattern::Nonlinear,
+                table: None,
+                blend: Blend::Add,
+                fit: Fit::default(),
+                tracing: renderer.tracing(),
+            };
+            let table = renderer.bake_images(&recipe, most_angle(&lens), steps, IMAGE_SIZE)?;
+            say!("{} images", table.len());
+            TableFile::Images(table)
+        }
+        (None, None, Some(f_number)) => TableFile::Rays(bake_rays(&lens, f_number)?),
+        (None, _, None) => return Err(CommandError::Argument("--f-number is missing".to_owned())),
+    };
+    let bytes = write_table(&args.out, &lens, table)?;
+    say!("{}: {:.2} MB", args.out.display(), bytes as f64 * 1e-6);
+    Ok(())
+}
+
+/// Bakes a lens's rays to beyond the corner of its film, and says how large they are.
+pub fn bake_rays(lens: &Lens, f_number: f64) -> Result<FlareTable, CommandError> {
+    let start = std::time::Instant::now();
+    let table = FlareTable::bake(lens, f_number, most_angle(lens)).map_err(RenderError::from)?;
+    say!(
+        "table: {} ghosts, {} angles in all, {:.2} MB, {:.0} ms to bake",
+        table.len(),
+        table.steps(),
+        table.bytes() as f64 * 1e-6,
+        start.elapsed().as_secs_f64() * 1e3
+    );
+    Ok(table)
+}
