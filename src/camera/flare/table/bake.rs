@@ -1,10 +1,11 @@
-//! Traces a lens's table: angles are added where the interpolation is worst, until it is near enough.
+//! Traces a lens's table: of many angles those are kept where the interpolation between others is worst, until it is near
+//! enough at all.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 use super::rays::{FlareTable, TabledGhost, between};
-use super::step::{COLOURS_UM, Light, SIDE, Step};
+use super::step::{COLOURS_UM, CURVE_UM, Light, Open, SIDE, Step, Values};
 use crate::camera::flare::grid::{RayGrid, SEARCH_RAYS};
 use crate::camera::flare::linear::{LinearGhost, stop_radius};
 use crate::camera::flare::nonlinear::{LINEAR_ENOUGH, nonlinearity};
@@ -13,13 +14,15 @@ use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
 use crate::camera::rays::Bundle;
+use crate::camera::trace::{TracedRay, Tracer, beam_direction};
 use crate::gpu::GpuError;
 
-/// Angles to begin with, and how often the way between two may be halved.
-const FIRST_ANGLES: usize = 5;
-const MOST_HALVINGS: usize = 3;
+/// Angles that are traced; those are kept that the others do not tell.
+const ANGLES: usize = 41;
 /// Interpolation error that is near enough, as a share of the sensor's half diagonal.
 const NEAR_ENOUGH: f64 = 0.004;
+/// Steps to either side over which windows are smoothed.
+const SMOOTH_STEPS: usize = 2;
 /// Departure that stands for a ghost without light.
 const FAR_OFF: f64 = 1e3;
 
@@ -44,75 +47,247 @@ fn tabled(
     f_number: f64,
     most_angle: f64,
 ) -> Result<Option<TabledGhost>, GpuError> {
-    let step = |angle: f64| traced(lens, ghost, angle, f_number);
-    let first = (0..FIRST_ANGLES).map(|k| most_angle * k as f64 / (FIRST_ANGLES - 1) as f64);
-    let departs = first
-        .clone()
-        .any(|angle| nonlinearity(lens, ghost, angle, f_number).is_none_or(|off| off > LINEAR_ENOUGH));
-    if !departs {
+    let optics: Vec<Optics<'_>> = (0..ANGLES)
+        .map(|k| Optics::new(lens, ghost, most_angle * k as f64 / (ANGLES - 1) as f64, f_number))
+        .collect();
+    let windows = optics.iter().map(Optics::window).collect::<Result<Vec<_>, _>>()?;
+    let departures: Vec<f64> = optics
+        .iter()
+        .map(|optics| nonlinearity(lens, ghost, optics.angle, f_number).unwrap_or(FAR_OFF))
+        .collect();
+    let mut lit = departures
+        .iter()
+        .zip(&windows)
+        .filter(|(_, window)| window.is_some());
+    if !lit.any(|(departure, _)| *departure > LINEAR_ENOUGH) {
         return Ok(None);
     }
-    let near_mm = NEAR_ENOUGH * 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
-    let mut steps = first.map(step).collect::<Result<Vec<_>, _>>()?;
-    // Whether the way after each step may still have to be halved.
-    let mut open = vec![true; steps.len() - 1];
-    for _ in 0..MOST_HALVINGS {
-        let (mut finer, mut still_open) = (vec![steps[0].clone()], Vec::new());
-        for (k, pair) in steps.windows(2).enumerate() {
-            if open[k] {
-                let middle = step(0.5 * (pair[0].angle + pair[1].angle))?;
-                let off = match (&middle.light, between(&steps, middle.angle)) {
-                    (None, None) => 0.0,
-                    (Some(light), Some(guess)) => light.open().distance(&guess),
-                    _ => f64::INFINITY,
-                };
-                if off > near_mm {
-                    finer.push(middle);
-                    still_open.push(true);
-                }
-                still_open.push(off > near_mm);
-            } else {
-                still_open.push(false);
-            }
-            finer.push(pair[1].clone());
+    let is_lit = |k: usize| windows.get(k).is_some_and(Option::is_some);
+    let all = optics
+        .iter()
+        .enumerate()
+        .map(|(k, optics)| {
+            // Beside light, also where none comes through: its rays, all held somewhere, tell how the ghost closes.
+            let is_beside = is_lit(k) || is_lit(k + 1) || k > 0 && is_lit(k - 1);
+            let window = is_beside.then(|| widened(&windows, k)).flatten();
+            Ok(Step {
+                angle: optics.angle,
+                departure: departures[k].min(FAR_OFF) as f32,
+                light: window.map(|window| optics.light(window)).transpose()?,
+            })
+        })
+        .collect::<Result<Vec<_>, GpuError>>()?;
+    // The ends, and both sides of where light begins or ends.
+    let mut is_kept: Vec<bool> = (0..ANGLES)
+        .map(|k| {
+            let begins = |a: usize, b: usize| all[a].light.is_some() != all[b].light.is_some();
+            k == 0 || k == ANGLES - 1 || begins(k, k + 1) || begins(k - 1, k)
+        })
+        .collect();
+    let near = Nearness {
+        sensor_mm: NEAR_ENOUGH * 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]),
+        stop_mm: optics[0].linear.stop_mm,
+    };
+    loop {
+        let kept: Vec<usize> = (0..ANGLES).filter(|&k| is_kept[k]).collect();
+        let steps: Vec<Step> = kept.iter().map(|&k| all[k].clone()).collect();
+        let off = |k: usize| match (&all[k].light, between(&steps, all[k].angle)) {
+            (None, None) => 0.0,
+            (Some(light), Some(guess)) => near.off(&light.open(), &guess),
+            _ => f64::INFINITY,
+        };
+        let worst: Vec<usize> = kept
+            .windows(2)
+            .filter_map(|pair| {
+                let between = (pair[0] + 1..pair[1]).map(|k| (k, off(k)));
+                let (k, most) = between.max_by(|a, b| a.1.total_cmp(&b.1))?;
+                (most > 1.0).then_some(k)
+            })
+            .collect();
+        if worst.is_empty() {
+            return Ok(Some(TabledGhost {
+                first: ghost.first,
+                second: ghost.second,
+                steps,
+            }));
         }
-        (steps, open) = (finer, still_open);
+        for k in worst {
+            is_kept[k] = true;
+        }
     }
-    let is_lit = steps.iter().any(|step| step.light.is_some());
-    Ok(is_lit.then_some(TabledGhost {
-        first: ghost.first,
-        second: ghost.second,
-        steps,
-    }))
 }
 
-fn traced(lens: &Lens, ghost: Ghost, angle: f64, f_number: f64) -> Result<Step, GpuError> {
-    let d_line = Paraxial::new(lens, D_LINE_UM, None);
-    let gap = d_line.sensor_gap_mm();
-    let linear = LinearGhost::new(lens, &d_line, ghost, angle, stop_radius(lens, &d_line, f_number));
-    let grid = |wavelength_um, [low, high]: [DVec2; 2], side| -> Result<RayGrid, GpuError> {
-        let bundle = Bundle {
-            ghost: Some(ghost),
-            wavelength_um,
+/// A window that holds the one at `k` and changes smoothly from step to step, as the rays of a grid do only if it does: the
+/// mean over some steps of the hull over some steps.
+fn widened(windows: &[Option<[DVec2; 2]>], k: usize) -> Option<[DVec2; 2]> {
+    let near = |k: usize| &windows[k.saturating_sub(SMOOTH_STEPS)..(k + SMOOTH_STEPS + 1).min(windows.len())];
+    let hull = |k: usize| {
+        near(k)
+            .iter()
+            .flatten()
+            .copied()
+            .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    };
+    let (from, to) = (
+        k.saturating_sub(SMOOTH_STEPS),
+        (k + SMOOTH_STEPS).min(windows.len() - 1),
+    );
+    let hulls: Vec<[DVec2; 2]> = (from..=to).filter_map(hull).collect();
+    let count = hulls.len() as f64;
+    let mean = |corner: usize| hulls.iter().map(|hull| hull[corner]).sum::<DVec2>() / count;
+    (!hulls.is_empty()).then(|| [mean(0), mean(1)])
+}
+
+/// When two grids of a ghost are as good as the same.
+struct Nearness {
+    sensor_mm: f64,
+    /// Radius of the iris.
+    stop_mm: f64,
+}
+
+/// Differences that are near enough, of heights relative to the barrel and of places relative to the iris.
+const NEAR_EDGE: f64 = 0.03;
+
+impl Nearness {
+    /// Largest difference of rays that pass in either, in units of what is near enough.
+    fn off(&self, a: &Open, b: &Open) -> f64 {
+        let stop = |values: &Values| DVec2::new(values[2], values[3]);
+        let passes = |values: &Option<Values>| {
+            values.is_some_and(|values| {
+                values[4] <= 1.0 + NEAR_EDGE && stop(&values).length() <= 1.1 * self.stop_mm
+            })
+        };
+        let pairs = a.colours.iter().flatten().zip(b.colours.iter().flatten());
+        pairs
+            .filter(|(a, b)| passes(a) || passes(b))
+            .map(|(a, b)| {
+                let (Some(a), Some(b)) = (a, b) else {
+                    return f64::INFINITY;
+                };
+                let on_sensor = (a[0] - b[0]).hypot(a[1] - b[1]) / self.sensor_mm;
+                let in_stop = stop(a).distance(stop(b)) / (NEAR_EDGE * self.stop_mm);
+                let height = (a[4] - b[4]).abs() / NEAR_EDGE;
+                on_sensor.max(in_stop).max(height)
+            })
+            .fold(0.0, f64::max)
+    }
+}
+
+/// A ghost at an angle.
+struct Optics<'a> {
+    lens: &'a Lens,
+    ghost: Ghost,
+    angle: f64,
+    sensor_gap_mm: f64,
+    linear: LinearGhost,
+}
+
+impl<'a> Optics<'a> {
+    fn new(lens: &'a Lens, ghost: Ghost, angle: f64, f_number: f64) -> Self {
+        let d_line = Paraxial::new(lens, D_LINE_UM, None);
+        let stop_mm = stop_radius(lens, &d_line, f_number);
+        Self {
+            lens,
+            ghost,
             angle,
+            sensor_gap_mm: d_line.sensor_gap_mm(),
+            linear: LinearGhost::new(lens, &d_line, ghost, angle, stop_mm),
+        }
+    }
+
+    /// The part of the entrance that lets light through.
+    fn window(&self) -> Result<Option<[DVec2; 2]>, GpuError> {
+        let all = DVec2::splat(self.linear.barrel_mm);
+        let search = self.grid(D_LINE_UM, [-all, all], SEARCH_RAYS)?;
+        Ok(search.window(&self.linear))
+    }
+
+    fn grid(&self, wavelength_um: f64, [low, high]: [DVec2; 2], side: usize) -> Result<RayGrid, GpuError> {
+        let bundle = Bundle {
+            ghost: Some(self.ghost),
+            wavelength_um,
+            angle: self.angle,
             low,
             high,
         };
-        let mut grids = Tracing::Cpu.grids(lens, gap, &[bundle], side)?;
+        let mut grids = Tracing::Cpu.grids(self.lens, self.sensor_gap_mm, &[bundle], side)?;
         Ok(grids.swap_remove(0))
+    }
+
+    fn light(&self, window: [DVec2; 2]) -> Result<Light, GpuError> {
+        let [blue, red] = COLOURS_UM.map(|um| self.grid(um, window, SIDE));
+        let (mut blue, mut red) = (blue?, red?);
+        let curve = self.curve(&blue);
+        extend(&mut blue);
+        extend(&mut red);
+        Ok(Light::packed([&blue, &red], curve))
+    }
+
+    /// Power of the passing ray nearest to the middle of those, by wavelength.
+    fn curve(&self, grid: &RayGrid) -> [f64; CURVE_UM.len()] {
+        let passing: Vec<DVec2> = grid
+            .rays
+            .iter()
+            .enumerate()
+            .filter(|(_, ray)| ray.is_some_and(|ray| ray.relative_height <= 1.0))
+            .map(|(k, _)| grid.entry(k))
+            .collect();
+        let middle = passing.iter().sum::<DVec2>() / passing.len().max(1) as f64;
+        let Some(entry) = passing
+            .iter()
+            .copied()
+            .min_by(|a, b| a.distance(middle).total_cmp(&b.distance(middle)))
+        else {
+            return [1.0; CURVE_UM.len()];
+        };
+        let power = |um: f64| {
+            let tracer = Tracer::new(self.lens, um, self.sensor_gap_mm);
+            let ray = tracer.trace(Some(self.ghost), entry, beam_direction(self.angle));
+            ray.map_or(0.0, |ray| ray.power)
+        };
+        let whole = power(COLOURS_UM[0]).max(1e-12);
+        CURVE_UM.map(|um| power(um) / whole)
+    }
+}
+
+/// Height of a ray that gets lost, at least: its cell is cut, not left out.
+const LOST_HEIGHT: f64 = 1.05;
+
+/// Continues a grid straight over lost rays that have two neighbours in a line.
+fn extend(grid: &mut RayGrid) {
+    let before = grid.rays.clone();
+    let at = |column: Option<usize>, row: Option<usize>| {
+        let (column, row) = (column?, row?);
+        (column < SIDE && row < SIDE).then(|| before[row * SIDE + column])?
     };
-    let all = DVec2::splat(linear.barrel_mm);
-    let window = grid(D_LINE_UM, [-all, all], SEARCH_RAYS)?.window(&linear);
-    let light = window
-        .map(|window| -> Result<Light, GpuError> {
-            let [blue, red] = COLOURS_UM.map(|um| grid(um, window, SIDE));
-            Ok(Light::packed([&blue?, &red?]))
-        })
-        .transpose()?;
-    let departure = nonlinearity(lens, ghost, angle, f_number).unwrap_or(FAR_OFF);
-    Ok(Step {
-        angle,
-        departure: departure.min(FAR_OFF) as f32,
-        light,
-    })
+    for (k, ray) in grid.rays.iter_mut().enumerate() {
+        if ray.is_some() {
+            continue;
+        }
+        let (column, row) = (k % SIDE, k / SIDE);
+        let neighbours = [1, 2].map(|far: usize| {
+            [
+                at(column.checked_sub(far), Some(row)),
+                at(Some(column + far), Some(row)),
+                at(Some(column), row.checked_sub(far)),
+                at(Some(column), Some(row + far)),
+            ]
+        });
+        let guesses: Vec<TracedRay> = (0..4)
+            .filter_map(|side| {
+                let (near, far) = (neighbours[0][side]?, neighbours[1][side]?);
+                Some(TracedRay {
+                    stop_mm: 2.0 * near.stop_mm - far.stop_mm,
+                    sensor_mm: 2.0 * near.sensor_mm - far.sensor_mm,
+                    relative_height: (2.0 * near.relative_height - far.relative_height).max(LOST_HEIGHT),
+                    relative_stop: near.relative_stop,
+                    power: (2.0 * near.power - far.power).max(0.0),
+                })
+            })
+            .collect();
+        // Of several, the one that lies highest: the others may come round the edge.
+        *ray = guesses
+            .into_iter()
+            .max_by(|a, b| a.relative_height.total_cmp(&b.relative_height));
+    }
 }

@@ -6,7 +6,7 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::step::{COLOURS_UM, Open, SIDE, STORED, Step, VALUES, Values};
+use super::step::{COLOURS_UM, CURVE_UM, Open, SIDE, STORED, Step, VALUES, Values};
 use crate::camera::flare::grid::RayGrid;
 use crate::camera::path::Ghost;
 use crate::camera::trace::TracedRay;
@@ -134,6 +134,13 @@ pub fn between(steps: &[Step], angle: f64) -> Option<Open> {
     Some(Open {
         window: [corner(0)?, corner(1)?],
         colours: [rays(0), rays(1)],
+        curve: {
+            let mut curve = low.1.curve;
+            for (k, share) in curve.iter_mut().enumerate() {
+                *share = mix(&|open: &Open| Some(open.curve[k]))?;
+            }
+            curve
+        },
     })
 }
 
@@ -185,6 +192,7 @@ impl PlayedGhost {
                 Some(mixed)
             })
             .collect();
+        let share = share_at(&self.open.curve, wavelength_um);
         let side = side.max(2);
         let rays = (0..side * side)
             .map(|k| {
@@ -194,7 +202,7 @@ impl PlayedGhost {
                     stop_mm: DVec2::new(value[2], value[3]),
                     relative_height: value[4],
                     relative_stop: 0.0,
-                    power: value[5] * value[5],
+                    power: value[5] * value[5] * share,
                 })
             })
             .collect();
@@ -206,6 +214,18 @@ impl PlayedGhost {
             rays,
         }
     }
+}
+
+/// The curve of colours at a wavelength, straight between its points.
+fn share_at(curve: &[f64; CURVE_UM.len()], wavelength_um: f64) -> f64 {
+    let last = CURVE_UM.len() - 2;
+    let index = CURVE_UM
+        .iter()
+        .rposition(|&um| um <= wavelength_um)
+        .unwrap_or(0)
+        .min(last);
+    let along = (wavelength_um - CURVE_UM[index]) / (CURVE_UM[index + 1] - CURVE_UM[index]);
+    (curve[index] + (curve[index + 1] - curve[index]) * along).max(0.0)
 }
 
 /// Catmull & Rom's spline (1974) through a grid's values; straight between two where the ones beyond are missing.

@@ -15,6 +15,11 @@ pub const COLOURS_UM: [f64; 2] = [0.475, 0.650];
 /// Values of a ray: sensor place x, y (mm), place in the stop x, y (mm), relative height, root of the power.
 pub const VALUES: usize = 6;
 
+/// Of those, the ones that the second colour stores too: its power follows by the curve of colours.
+const SHIFTED: usize = VALUES - 1;
+/// Wavelengths of the curve of colours, micrometres: coatings are far from linear in any power of the wavelength.
+pub const CURVE_UM: [f64; 8] = [0.40, 0.44, 0.48, 0.52, 0.56, 0.60, 0.65, 0.70];
+
 /// Values of one ray.
 pub type Values = [f64; VALUES];
 
@@ -43,7 +48,9 @@ pub struct Light {
     /// How far the second colour differs, in steps of `red_step`, value after value.
     #[serde(with = "serde_bytes")]
     red: Vec<u8>,
-    red_step: [f32; VALUES],
+    red_step: [f32; SHIFTED],
+    /// Power of a ray in the ghost's middle at `CURVE_UM`, as shares of its power in the first colour.
+    curve: [f32; CURVE_UM.len()],
 }
 
 /// A step as numbers.
@@ -53,11 +60,13 @@ pub struct Open {
     pub window: [DVec2; 2],
     /// Rays per colour; none where lost.
     pub colours: [Vec<Option<Values>>; 2],
+    /// See `Light::curve`.
+    pub curve: [f64; CURVE_UM.len()],
 }
 
 impl Light {
-    /// From the traced grids of both colours.
-    pub fn packed(grids: [&RayGrid; 2]) -> Self {
+    /// From the traced grids of both colours and the curve of colours.
+    pub fn packed(grids: [&RayGrid; 2], curve: [f64; CURVE_UM.len()]) -> Self {
         let values = |grid: &RayGrid| -> Vec<Option<Values>> {
             let stored = grid.rays.iter().take(STORED);
             stored
@@ -102,7 +111,7 @@ impl Light {
                 _ => [0.0; VALUES],
             })
             .collect();
-        let red_step: [f32; VALUES] = std::array::from_fn(|k| {
+        let red_step: [f32; SHIFTED] = std::array::from_fn(|k| {
             let most = differences.iter().map(|ray| ray[k].abs()).fold(0.0, f64::max);
             (most / 127.0).max(1e-30) as f32
         });
@@ -119,11 +128,12 @@ impl Light {
             blue: (0..VALUES)
                 .flat_map(|k| [low(k, &stored), high(k, &stored)].concat())
                 .collect(),
-            red: (0..VALUES)
+            red: (0..SHIFTED)
                 .flat_map(|k| differences.iter().map(move |ray| (ray[k], k)))
                 .map(|(value, k)| (value / f64::from(red_step[k])).round().clamp(-127.0, 127.0) as i8 as u8)
                 .collect(),
             red_step,
+            curve: curve.map(|share| share as f32),
         }
     }
 
@@ -136,7 +146,8 @@ impl Light {
             self.window[1].y,
         ];
         self.blue.len() == 2 * VALUES * STORED
-            && self.red.len() == VALUES * STORED
+            && self.red.len() == SHIFTED * STORED
+            && self.curve.iter().all(|share| share.is_finite())
             && numbers.iter().all(|number| number.is_finite())
             && self.middle_mm.is_finite()
             && self.red_step.iter().all(|step| step.is_finite())
@@ -144,7 +155,7 @@ impl Light {
 
     /// Bytes of its numbers.
     pub fn bytes(&self) -> usize {
-        self.blue.len() + self.red.len() + 4 * VALUES + 40
+        self.blue.len() + self.red.len() + 4 * (SHIFTED + CURVE_UM.len()) + 40
     }
 
     /// The numbers.
@@ -155,6 +166,9 @@ impl Light {
             if k == 0 { value + self.middle_mm } else { value }
         };
         let red = |ray: usize, k: usize| {
+            if k >= SHIFTED {
+                return blue(ray, k);
+            }
             let steps = self.red[k * STORED + ray] as i8;
             blue(ray, k) + f64::from(steps) * f64::from(self.red_step[k])
         };
@@ -169,20 +183,7 @@ impl Light {
         Open {
             window: self.window,
             colours: [rays(&blue), rays(&red)],
+            curve: self.curve.map(f64::from),
         }
-    }
-}
-
-impl Open {
-    /// Largest distance on the sensor of rays that get through in both, millimetres.
-    pub fn distance(&self, other: &Self) -> f64 {
-        let open = |values: &&Values| values[4] <= 1.0;
-        let pairs = self.colours.iter().flatten().zip(other.colours.iter().flatten());
-        pairs
-            .filter_map(|(a, b)| {
-                let (a, b) = (a.as_ref().filter(open)?, b.as_ref().filter(open)?);
-                Some((a[0] - b[0]).hypot(a[1] - b[1]))
-            })
-            .fold(0.0, f64::max)
     }
 }
