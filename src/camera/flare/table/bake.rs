@@ -20,7 +20,7 @@ use crate::gpu::GpuError;
 /// Angles that are traced; those are kept that the others do not tell.
 const ANGLES: usize = 41;
 /// Interpolation error that is near enough, as a share of the sensor's half diagonal.
-const NEAR_ENOUGH: f64 = 0.004;
+const NEAR_ENOUGH: f64 = 0.006;
 /// Steps to either side over which windows are smoothed.
 const SMOOTH_STEPS: usize = 2;
 /// Departure that stands for a ghost without light.
@@ -146,7 +146,7 @@ struct Nearness {
 }
 
 /// Differences that are near enough, of heights relative to the barrel and of places relative to the iris.
-const NEAR_EDGE: f64 = 0.03;
+const NEAR_EDGE: f64 = 0.05;
 
 impl Nearness {
     /// Largest difference of rays that pass in either, in units of what is near enough.

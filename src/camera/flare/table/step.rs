@@ -41,8 +41,7 @@ pub struct Light {
     pub window: [DVec2; 2],
     /// Middle of the sensor places, along the beam's plane, millimetres.
     middle_mm: f64,
-    /// Value after value, the low and then the high bytes of all rays' f16; a lost ray is infinitely high. Sensor places count
-    /// from the middle. This order packs well.
+    /// Value after value, all rays' f16 as `planes`; a lost ray is infinitely high. Sensor places count from the middle.
     #[serde(with = "serde_bytes")]
     blue: Vec<u8>,
     /// How far the second colour differs, in steps of `red_step`, value after value.
@@ -62,6 +61,41 @@ pub struct Open {
     pub colours: [Vec<Option<Values>>; 2],
     /// See `Light::curve`.
     pub curve: [f64; CURVE_UM.len()],
+}
+
+/// Number of the ray that another's bits are told from: the one before it in its row, or the one in the row before.
+fn neighbour(ray: usize) -> Option<usize> {
+    if ray % SIDE > 0 {
+        Some(ray - 1)
+    } else {
+        ray.checked_sub(SIDE)
+    }
+}
+
+/// To 7 binary digits, 0.4 %: enough for all but places on the sensor.
+fn rounded(value: f64) -> f16 {
+    f16::from_bits(f16::from_f64(value).to_bits().saturating_add(4) & !7)
+}
+
+/// Differences from the neighbours, first all low and then all high bytes: what is smooth packs well so.
+fn planes(bits: &[u16]) -> Vec<u8> {
+    let differences = bits.iter().enumerate().map(|(ray, bits_here)| {
+        bits_here
+            .wrapping_sub(neighbour(ray).map_or(0, |other| bits[other]))
+            .to_le_bytes()
+    });
+    let (low, high): (Vec<u8>, Vec<u8>) = differences.map(|[low, high]| (low, high)).unzip();
+    [low, high].concat()
+}
+
+/// The bits of `STORED` rays out of `planes`.
+fn from_planes(planes: &[u8]) -> Vec<u16> {
+    let mut bits = vec![0_u16; STORED];
+    for ray in 0..STORED {
+        let difference = u16::from_le_bytes([planes[ray], planes[ray + STORED]]);
+        bits[ray] = difference.wrapping_add(neighbour(ray).map_or(0, |other| bits[other]));
+    }
+    bits
 }
 
 impl Light {
@@ -94,7 +128,9 @@ impl Light {
             .map(|(blue, red)| match (blue, red) {
                 (Some(blue), Some(_)) => {
                     let [x, y, stop_x, stop_y, height, root] = *blue;
-                    [x - middle_mm, y, stop_x, stop_y, height, root].map(f16::from_f64)
+                    let places = [x - middle_mm, y].map(f16::from_f64);
+                    let [stop_x, stop_y, height, root] = [stop_x, stop_y, height, root].map(rounded);
+                    [places[0], places[1], stop_x, stop_y, height, root]
                 }
                 _ => [f16::INFINITY; VALUES],
             })
@@ -115,18 +151,11 @@ impl Light {
             let most = differences.iter().map(|ray| ray[k].abs()).fold(0.0, f64::max);
             (most / 127.0).max(1e-30) as f32
         });
-        let bytes = |pick: fn(f16) -> u8| {
-            move |k: usize, stored: &[[f16; VALUES]]| -> Vec<u8> {
-                stored.iter().map(|ray| pick(ray[k])).collect()
-            }
-        };
-        let low = bytes(|value| value.to_le_bytes()[0]);
-        let high = bytes(|value| value.to_le_bytes()[1]);
         Self {
             window: [grids[0].low, grids[0].high],
             middle_mm,
             blue: (0..VALUES)
-                .flat_map(|k| [low(k, &stored), high(k, &stored)].concat())
+                .flat_map(|k| planes(&stored.iter().map(|ray| ray[k].to_bits()).collect::<Vec<_>>()))
                 .collect(),
             red: (0..SHIFTED)
                 .flat_map(|k| differences.iter().map(move |ray| (ray[k], k)))
@@ -160,9 +189,9 @@ impl Light {
 
     /// The numbers.
     pub fn open(&self) -> Open {
+        let bits: Vec<Vec<u16>> = self.blue.chunks_exact(2 * STORED).map(from_planes).collect();
         let blue = |ray: usize, k: usize| {
-            let at = 2 * k * STORED + ray;
-            let value = f16::from_le_bytes([self.blue[at], self.blue[at + STORED]]).to_f64();
+            let value = f16::from_bits(bits[k][ray]).to_f64();
             if k == 0 { value + self.middle_mm } else { value }
         };
         let red = |ray: usize, k: usize| {
@@ -185,5 +214,18 @@ impl Light {
             colours: [rays(&blue), rays(&red)],
             curve: self.curve.map(f64::from),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_give_their_bits_back() {
+        let bits: Vec<u16> = (0..STORED as u32)
+            .map(|k| (k * k * 977 % 65_536) as u16)
+            .collect();
+        assert_eq!(from_planes(&planes(&bits)), bits);
     }
 }
