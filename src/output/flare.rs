@@ -88,7 +88,7 @@ impl<'a> FlareRenderer<'a> {
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
         let halves = read_texture::<[half::f16; 4]>(gpu, &target.texture)?;
-        let vertices = || mesh.added.iter().chain(&mesh.over);
+        let vertices = || mesh.added.iter().chain(&mesh.covers).chain(&mesh.above);
         let corners: Vec<&FlareVertex> = vertices().collect();
         Ok(FlarePicture {
             radiance: halves

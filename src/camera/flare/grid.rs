@@ -63,13 +63,14 @@ impl RayGrid {
         (low.x < high.x && low.y < high.y).then_some([low, high])
     }
 
-    /// Triangles on the sensor, of a share of the ghost's radiance.
+    /// Triangles on the sensor, of a share of the ghost's radiance and an opacity.
     pub fn triangles(
         &self,
         source: &FlareSource,
         colour: Wavelength,
         stop_mm: f64,
         share: f64,
+        opacity: f64,
     ) -> Vec<FlareVertex> {
         let (low, high, side, rays) = (self.low, self.high, self.side, &self.rays);
         let area = (high - low).element_product() / ((side - 1) * (side - 1)) as f64;
@@ -102,7 +103,7 @@ impl RayGrid {
                         stop: turned(ray.stop_mm / -stop_mm, source),
                         barrel: [ray.relative_height as f32, 0.0],
                         radiance: radiance(source, colour, share * ray.power, 0.5 * area / landed),
-                        opacity: share as f32,
+                        opacity: opacity as f32,
                     }));
                 }
             }

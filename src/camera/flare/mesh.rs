@@ -81,8 +81,10 @@ pub struct FlareRecipe<'a> {
 pub struct FlareMesh {
     /// Ghosts that add up.
     pub added: Vec<FlareVertex>,
-    /// Ghosts laid over those.
-    pub over: Vec<FlareVertex>,
+    /// What hides those, without light of its own.
+    pub covers: Vec<FlareVertex>,
+    /// Ghosts that add to what is left.
+    pub above: Vec<FlareVertex>,
 }
 
 /// Grids traced and turned into triangles at a time.
@@ -137,6 +139,7 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
         })
         .collect();
 
+    let covering = &optics[optics.len() / 2];
     let curved: Vec<&Part> = parts.iter().filter(|part| part.nonlinear > 0.0).collect();
     let grids_of = |jobs: &[(&Part, &Optics)], grids: Vec<Option<RayGrid>>| -> Vec<FlareVertex> {
         jobs.par_iter()
@@ -151,7 +154,12 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
                         let axial = tracer.trace(Some(part.ghost), DVec2::ZERO, glam::DVec3::Z);
                         fitted(grid, &linear, axial.map_or(0.0, |ray| ray.power), recipe.fit)
                     };
-                    grid.triangles(&source, optics.colour, stop_mm, part.nonlinear)
+                    let opacity = if std::ptr::eq(*optics, covering) {
+                        part.nonlinear
+                    } else {
+                        0.0
+                    };
+                    grid.triangles(&source, optics.colour, stop_mm, part.nonlinear, opacity)
                 };
                 grid.map_or_else(Vec::new, triangles)
             })
@@ -203,13 +211,24 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
             traced.extend(grids_of(&jobs, grids.into_iter().map(Some).collect()));
         }
     }
-    let mut over = Vec::new();
-    if recipe.mode == FlareMode::Blended && recipe.blend == Blend::Alpha {
-        over = traced;
-    } else {
+    if recipe.mode != FlareMode::Blended || recipe.blend != Blend::Alpha {
         added.extend(traced);
+        traced = Vec::new();
     }
-    Ok(FlareMesh { added, over })
+    // One colour covers for all: each would hide the others.
+    let covers = traced
+        .iter()
+        .filter(|corner| corner.opacity > 0.0)
+        .map(|corner| FlareVertex {
+            radiance: [0.0; 3],
+            ..*corner
+        })
+        .collect();
+    Ok(FlareMesh {
+        added,
+        covers,
+        above: traced,
+    })
 }
 
 /// Which images of which ghosts are drawn.

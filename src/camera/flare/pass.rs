@@ -99,7 +99,11 @@ impl FlarePass {
         let most = (gpu.device.limits().max_buffer_size / size_of::<FlareVertex>() as u64).min(MOST_VERTICES);
         let most = most as usize / 3 * 3;
         let mut draws = Vec::new();
-        for (pipeline, vertices) in [(&self.added, &mesh.added), (&self.over, &mesh.over)] {
+        for (pipeline, vertices) in [
+            (&self.added, &mesh.added),
+            (&self.over, &mesh.covers),
+            (&self.added, &mesh.above),
+        ] {
             let group = picture_group(gpu, pipeline, &uniforms, &self.mask, &self.sampler);
             for part in vertices.chunks(most) {
                 let buffer = gpu.device.create_buffer_init(&BufferInitDescriptor {
