@@ -190,6 +190,57 @@ fn the_literal_inverse_is_the_wrong_sign() {
     );
 }
 
+/// A biconvex singlet, radii 50 and -60 mm, 6 mm thick, in a file of its own; its focal length, or the refusal.
+fn singlet(ending: &str, text: &str) -> Result<f64, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(format!("singlet.{ending}"));
+    std::fs::write(&path, text).unwrap();
+    let lens = open(&path.display().to_string()).map_err(|error| error.to_string())?;
+    Ok(Paraxial::new(&lens, D_LINE_UM, None).efl_mm)
+}
+
+/// Focal lengths by rayoptics 0.9.8 with opticalglass 1.1.1. A Zemax file states 1.5 and 40 for a glass that it leaves to its
+/// catalogue; CODE V changes surfaces after their rows.
+#[test]
+fn glasses_and_edits_as_the_formats_have_them() {
+    let zemax = |glass: &str, gcat: &str| {
+        let text = format!(
+            "UNIT MM\nGCAT {gcat}\nSURF 0\n TYPE STANDARD\n DISZ INFINITY\nSURF 1\n STOP\n TYPE STANDARD\n CURV 0.02\n DISZ 6\n \
+             GLAS {glass}\nSURF 2\n TYPE STANDARD\n CURV -0.016666666666666666\n DISZ 47\nSURF 3\n TYPE STANDARD\n"
+        );
+        singlet("zmx", &text)
+    };
+    let codev = |rows: &str| singlet("seq", &format!("RDM;LEN\nDIM M\nSO 0 1e13\n{rows}\nSI 0 0\nGO\n"));
+    for (found, expected) in [
+        (zemax("S-LAH66 0 0 1.5 40", "SCHOTT OHARA"), 36.164),
+        (zemax("620603 0 0 1.5 40", "SCHOTT"), 44.926),
+        (zemax("F2 0 0 1.5 40", "CDGM"), 45.438),
+        (zemax("F2 0 0 1.5 40", "SCHOTT"), 44.923),
+        (zemax("___BLANK 1 0 1,62 60,3", "SCHOTT"), 44.926),
+        (codev("S 50 6 NBK7_SCHOTT\nSTO\nS -60 47"), 53.772),
+        (codev("S 50 6 'NBK7_SCHOTT' & ! on\n\nSTO\nS -60 47"), 53.772),
+        (codev("S 50 6 NBK7_SCHOTT\nSTO\nTHI 9\nS -60 47"), 54.286),
+        (codev("S 50 6 NBK7_SCHOTT\nSTO\nS -60 47\nTHI S1 9"), 54.286),
+        (codev("S 50 6 NBK7_SCHOTT\nSTO\nRDY 40\nS -60 47"), 47.409),
+        (codev("S 50 6 F2_CDGM\nSTO\nS -60 47"), 45.438),
+    ] {
+        let efl = found.unwrap();
+        assert!((efl - expected).abs() < 6e-4, "{efl} and {expected}");
+    }
+    for (refusal, word) in [
+        (zemax("E48R 0 0 1.5 40", "MISC"), "E48R"),
+        (codev("S 50 6 NBK7_SCHOTT\nADE 1\nSTO\nS -60 47"), "ADE"),
+        (codev("S -120 5 NBK7_SCHOTT REFL\nSTO\nS -60 47"), "mirrors"),
+        (codev("S 50 6 NBK7_NOBODY\nSTO\nS -60 47"), "NBK7_NOBODY"),
+    ] {
+        let message = refusal.unwrap_err();
+        assert!(
+            message.contains("singlet.") && message.contains(word),
+            "{message}"
+        );
+    }
+}
+
 /// Figures of the Python package tmm 0.2.0 (Byrnes, coherent transfer matrices), mean of both polarisations: index before, films
 /// (index, nanometres), index behind, degrees, micrometres, reflectance.
 #[test]

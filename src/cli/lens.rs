@@ -77,7 +77,7 @@ pub enum LensCommand {
         #[arg(long)]
         wavelength: Option<f64>,
         /// Sensor behind the last vertex, millimetres, or `file` for the file's own gap [default: the paraxial focus].
-        #[arg(long)]
+        #[arg(long, allow_hyphen_values = true)]
         sensor: Option<String>,
         /// Print one JSON object.
         #[arg(long)]

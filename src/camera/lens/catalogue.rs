@@ -1,104 +1,173 @@
-//! Catalogue glasses: Sellmeier coefficients from Schott's optical glass data sheets (Schott AG, *Optical Glass Data
-//! Sheets*, 2017; the same figures in Schott's AGF catalogue file).
+//! Catalogue glasses of six makers: `data/glasses.csv`, whose origin stands in its head and in `data/README.md`.
 
-/// Name, published n_d, B1 B2 B3, C1 C2 C3 (square micrometres).
-type Entry = (&'static str, f64, [f64; 3], [f64; 3]);
+use std::sync::OnceLock;
 
-/// Coefficients by name; a name without its hyphen, or without the N of lead-free glass, is found too.
-pub fn find(name: &str) -> Option<&'static Entry> {
-    let plain = |name: &str| name.to_uppercase().replace(['-', ' '], "");
-    let wanted = plain(name);
-    let lead_free = format!("N{wanted}");
-    GLASSES
-        .iter()
-        .find(|entry| plain(entry.0) == wanted)
-        .or_else(|| GLASSES.iter().find(|entry| plain(entry.0) == lead_free))
+use serde::Deserialize;
+
+use super::glass::{Dispersion, Glass};
+
+/// A glass of a maker.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// The maker, in capitals.
+    pub catalogue: String,
+    /// As the maker writes it.
+    pub name: String,
+    /// Published index at the d line.
+    pub n_d: f64,
+    /// Its equation.
+    pub dispersion: Dispersion,
 }
 
-/// The glasses.
-#[rustfmt::skip]
-pub const GLASSES: [Entry; 66] = [
-    ("F2", 1.62004, [1.34533359, 0.209073176, 0.937357162], [0.00997743871, 0.0470450767, 111.886764]),
-    ("F5", 1.60342, [1.3104463, 0.19603426, 0.96612977], [0.00958633048, 0.0457627627, 115.011883]),
-    ("K10", 1.50137, [1.15687082, 0.0642625444, 0.872376139], [0.00809424251, 0.0386051284, 104.74773]),
-    ("K7", 1.51112, [1.1273555, 0.124412303, 0.827100531], [0.00720341707, 0.0269835916, 100.384588]),
-    ("LAFN7", 1.7495, [1.66842615, 0.298512803, 1.0774376], [0.0103159999, 0.0469216348, 82.5078509]),
-    ("LASF35", 2.02204, [2.45505861, 0.453006077, 2.3851308], [0.0135670404, 0.054580302, 167.904715]),
-    ("LF5", 1.58144, [1.28035628, 0.163505973, 0.893930112], [0.00929854416, 0.0449135769, 110.493685]),
-    ("LLF1", 1.54814, [1.21640125, 0.13366454, 0.883399468], [0.00857807248, 0.0420143003, 107.59306]),
-    ("N-BAF10", 1.67003, [1.5851495, 0.143559385, 1.08521269], [0.00926681282, 0.0424489805, 105.613573]),
-    ("N-BAF4", 1.60568, [1.42056328, 0.102721269, 1.14380976], [0.00942015382, 0.0531087291, 110.278856]),
-    ("N-BAK1", 1.5725, [1.12365662, 0.309276848, 0.881511957], [0.00644742752, 0.0222284402, 107.297751]),
-    ("N-BAK2", 1.53996, [1.01662154, 0.319903051, 0.937232995], [0.00592383763, 0.0203828415, 113.118417]),
-    ("N-BAK4", 1.56883, [1.28834642, 0.132817724, 0.945395373], [0.00779980626, 0.0315631177, 105.965875]),
-    ("N-BALF4", 1.57956, [1.31004128, 0.142038259, 0.964929351], [0.0079659645, 0.0330672072, 109.19732]),
-    ("N-BASF2", 1.66446, [1.53652081, 0.156971102, 1.30196815], [0.0108435729, 0.0562278762, 131.3397]),
-    ("N-BASF64", 1.704, [1.65554268, 0.17131977, 1.33664448], [0.0104485644, 0.0499394756, 118.961472]),
-    ("N-BK10", 1.49782, [0.888308131, 0.328964475, 0.984610769], [0.00516900822, 0.0161190045, 99.7575331]),
-    ("N-BK7", 1.5168, [1.03961212, 0.231792344, 1.01046945], [0.00600069867, 0.0200179144, 103.560653]),
-    ("N-F2", 1.62005, [1.39757037, 0.159201403, 1.2686543], [0.00995906143, 0.0546931752, 119.248346]),
-    ("N-FK5", 1.48749, [0.844309338, 0.344147824, 0.910790213], [0.00475111955, 0.0149814849, 97.8600293]),
-    ("N-FK51A", 1.48656, [0.971247817, 0.216901417, 0.904651666], [0.00472301995, 0.0153575612, 168.68133]),
-    ("N-FK58", 1.456, [0.738042712, 0.363371967, 0.989296264], [0.00339065607, 0.0117551189, 212.842145]),
-    ("N-K5", 1.52249, [1.08511833, 0.199562005, 0.930511663], [0.00661099503, 0.024110866, 111.982777]),
-    ("N-KF9", 1.52346, [1.19286778, 0.0893346571, 0.920819805], [0.00839154696, 0.0404010786, 112.572446]),
-    ("N-KZFS11", 1.63775, [1.3322245, 0.28924161, 1.15161734], [0.0084029848, 0.034423972, 88.4310532]),
-    ("N-KZFS4", 1.61336, [1.35055424, 0.197575506, 1.09962992], [0.0087628207, 0.0371767201, 90.3866994]),
-    ("N-LAF2", 1.74397, [1.80984227, 0.15729555, 1.0930037], [0.0101711622, 0.0442431765, 100.687748]),
-    ("N-LAF21", 1.788, [1.87134529, 0.25078301, 1.22048639], [0.0093332228, 0.0345637762, 83.2404866]),
-    ("N-LAF33", 1.78582, [1.79653417, 0.311577903, 1.15981863], [0.00927313493, 0.0358201181, 87.3448712]),
-    ("N-LAF34", 1.7725, [1.75836958, 0.313537785, 1.18925231], [0.00872810026, 0.0293020832, 85.1780644]),
-    ("N-LAF7", 1.7495, [1.74028764, 0.226710554, 1.32525548], [0.010792558, 0.0538626639, 106.268665]),
-    ("N-LAK10", 1.72003, [1.72878017, 0.169257825, 1.19386956], [0.00886014635, 0.0363416509, 82.9009069]),
-    ("N-LAK12", 1.6779, [1.17365704, 0.588992398, 0.978014394], [0.00577031797, 0.0200401678, 95.4873482]),
-    ("N-LAK14", 1.6968, [1.50781212, 0.318866829, 1.14287213], [0.00746098727, 0.0242024834, 80.9565165]),
-    ("N-LAK21", 1.64049, [1.22718116, 0.420783743, 1.01284843], [0.00602075682, 0.0196862889, 88.4370099]),
-    ("N-LAK22", 1.65113, [1.14229781, 0.535138441, 1.04088385], [0.00585778594, 0.0198546147, 100.834017]),
-    ("N-LAK33B", 1.755, [1.42288601, 0.593661336, 1.1613526], [0.00670283452, 0.021941621, 80.7407701]),
-    ("N-LAK34", 1.72916, [1.26661442, 0.665919318, 1.1249612], [0.00589278062, 0.0197509041, 78.8894174]),
-    ("N-LAK7", 1.6516, [1.23679889, 0.445051837, 1.01745888], [0.00610105538, 0.0201388334, 90.638038]),
-    ("N-LAK8", 1.713, [1.33183167, 0.546623206, 1.19084015], [0.00620023871, 0.0216465439, 82.5827736]),
-    ("N-LAK9", 1.691, [1.46231905, 0.344399589, 1.15508372], [0.00724270156, 0.0243353131, 85.4686868]),
-    ("N-LASF31A", 1.883, [1.96485075, 0.475231259, 1.48360109], [0.00982060155, 0.0344713438, 110.739863]),
-    ("N-LASF40", 1.83404, [1.98550331, 0.274057042, 1.28945661], [0.010958331, 0.0474551603, 96.9085286]),
-    ("N-LASF44", 1.8042, [1.78897105, 0.38675867, 1.30506243], [0.00872506277, 0.0308085023, 92.7743824]),
-    ("N-LASF9", 1.85025, [2.00029547, 0.298926886, 1.80691843], [0.0121426017, 0.0538736236, 156.530829]),
-    ("N-SF10", 1.72828, [1.62153902, 0.256287842, 1.64447552], [0.0122241457, 0.0595736775, 147.468793]),
-    ("N-SF11", 1.78472, [1.73759695, 0.313747346, 1.89878101], [0.013188707, 0.0623068142, 155.23629]),
-    ("N-SF15", 1.69892, [1.57055634, 0.218987094, 1.50824017], [0.0116507014, 0.0597856897, 132.709339]),
-    ("N-SF2", 1.64769, [1.47343127, 0.163681849, 1.36920899], [0.0109019098, 0.0585683687, 127.404933]),
-    ("N-SF4", 1.75513, [1.67780282, 0.282849893, 1.63539276], [0.012679345, 0.0602038419, 145.760496]),
-    ("N-SF5", 1.67271, [1.52481889, 0.187085527, 1.42729015], [0.011254756, 0.0588995392, 129.141675]),
-    ("N-SF57", 1.84666, [1.87543831, 0.37375749, 2.30001797], [0.0141749518, 0.0640509927, 177.389795]),
-    ("N-SF6", 1.80518, [1.77931763, 0.338149866, 2.08734474], [0.0133714182, 0.0617533621, 174.01759]),
-    ("N-SF66", 1.92286, [2.0245976, 0.470187196, 2.59970433], [0.0147053225, 0.0692998276, 161.817601]),
-    ("N-SK11", 1.56384, [1.17963631, 0.229817295, 0.935789652], [0.00680282081, 0.0219737205, 101.513232]),
-    ("N-SK14", 1.60311, [0.936155374, 0.594052018, 1.04374583], [0.00461716525, 0.016885927, 103.736265]),
-    ("N-SK16", 1.62041, [1.34317774, 0.241144399, 0.994317969], [0.00704687339, 0.0229005, 92.7508526]),
-    ("N-SK2", 1.60738, [1.28189012, 0.257738258, 0.96818604], [0.0072719164, 0.0242823527, 110.377773]),
-    ("N-SK4", 1.61272, [1.32993741, 0.228542996, 0.988465211], [0.00716874107, 0.0246455892, 100.886364]),
-    ("N-SK5", 1.58913, [0.991463823, 0.495982121, 0.987393925], [0.00522730467, 0.0172733646, 98.3594579]),
-    ("N-SSK5", 1.65844, [1.59222659, 0.103520774, 1.05174016], [0.00920284626, 0.0423530072, 106.927374]),
-    ("SF1", 1.71736, [1.55912923, 0.284246288, 0.968842926], [0.0121481001, 0.0534549042, 112.174809]),
-    ("SF10", 1.72825, [1.61625977, 0.259229334, 1.07762317], [0.0127534559, 0.0581983954, 116.60768]),
-    ("SF2", 1.64769, [1.40301821, 0.231767504, 0.939056586], [0.0105795466, 0.0493226978, 112.405955]),
-    ("SF5", 1.6727, [1.46141885, 0.247713019, 0.949995832], [0.0111826126, 0.0508594669, 112.041888]),
-    ("SF6", 1.80518, [1.72448482, 0.390104889, 1.04572858], [0.0134871947, 0.0569318095, 118.557185]),
-];
+#[derive(Deserialize)]
+struct Row {
+    catalogue: String,
+    name: String,
+    formula: u32,
+    n_d: f64,
+    coefficients: String,
+}
+
+const TABLE: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/data/glasses.csv"));
+
+/// All of them.
+pub fn glasses() -> &'static [Entry] {
+    static GLASSES: OnceLock<Vec<Entry>> = OnceLock::new();
+    GLASSES.get_or_init(|| {
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .from_reader(TABLE.as_bytes());
+        // A row that cannot be read is found by the test below.
+        reader
+            .deserialize::<Row>()
+            .filter_map(|row| entry(row.ok()?))
+            .collect()
+    })
+}
+
+fn entry(row: Row) -> Option<Entry> {
+    let numbers: Option<Vec<f64>> = row
+        .coefficients
+        .split(' ')
+        .map(|word| word.parse().ok())
+        .collect();
+    let (&constant, rest) = numbers.as_deref()?.split_first()?;
+    let pairs = rest.as_chunks::<2>().0.to_vec();
+    let dispersion = match row.formula {
+        2 => Dispersion::Sellmeier {
+            constant: 1.0 + constant,
+            terms: pairs,
+        },
+        3 => Dispersion::Powers {
+            constant,
+            terms: pairs,
+        },
+        _ => return None,
+    };
+    Some(Entry {
+        catalogue: row.catalogue,
+        name: row.name,
+        n_d: row.n_d,
+        dispersion,
+    })
+}
+
+fn plain(name: &str) -> String {
+    name.to_uppercase().replace(['-', ' ', '_'], "")
+}
+
+/// A glass by name, hyphens or not. Where several makers have one of that name: of the first of `catalogues` that does, else
+/// the one whose index is nearest to `n_d`, else the first of the table. A name that no maker has may lack the N of
+/// lead-free glass.
+pub fn find(name: &str, catalogues: &[&str], n_d: Option<f64>) -> Option<Glass> {
+    let named = |wanted: String| -> Vec<&'static Entry> {
+        let is_it = |entry: &&Entry| plain(&entry.name) == wanted;
+        glasses().iter().filter(is_it).collect()
+    };
+    let wanted = plain(name);
+    let mut found = named(wanted.clone());
+    if found.is_empty() {
+        found = named(format!("N{wanted}"));
+    }
+    let of_catalogue = catalogues.iter().find_map(|catalogue| {
+        found
+            .iter()
+            .find(|entry| entry.catalogue == catalogue.to_uppercase())
+    });
+    let entry = match (of_catalogue, n_d) {
+        (Some(entry), _) => entry,
+        (None, Some(n_d)) => found
+            .iter()
+            .min_by(|a, b| (a.n_d - n_d).abs().total_cmp(&(b.n_d - n_d).abs()))?,
+        (None, None) => found.first()?,
+    };
+    Some(Glass::Catalogue {
+        name: entry.name.clone(),
+        dispersion: entry.dispersion.clone(),
+        offset: 0.0,
+    })
+}
+
+/// Whether a maker of that name is in the table.
+pub fn has_catalogue(name: &str) -> bool {
+    glasses()
+        .iter()
+        .any(|entry| entry.catalogue == name.to_uppercase())
+}
+
+/// A glass by a code of six digits, `620603`, or with a point between those of n_d - 1 and those of V_d, `516800.641673`.
+pub fn from_code(code: &str) -> Option<Glass> {
+    if !code.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.') {
+        return None;
+    }
+    let (index, abbe) = match code.split_once('.') {
+        Some((index, abbe)) => (index, abbe),
+        None if code.len() == 6 => code.split_at(3),
+        None => return None,
+    };
+    if abbe.len() < 2 || index.len() < 3 {
+        return None;
+    }
+    let n_d: f64 = format!("1.{index}").parse().ok()?;
+    let v_d: f64 = format!("{}.{}", &abbe[..2], &abbe[2..]).parse().ok()?;
+    Some(Glass::model(n_d, v_d))
+}
+
+/// Whether an index and an Abbe number are what Zemax writes where it knows none.
+pub fn is_placeholder(n_d: f64, v_d: f64) -> bool {
+    n_d == 1.5 && v_d == 40.0 || n_d <= 0.0
+}
 
 #[cfg(test)]
 mod tests {
-    use super::super::{D_LINE_UM, Glass};
-    use super::GLASSES;
+    use super::super::D_LINE_UM;
+    use super::{TABLE, find, glasses};
 
     #[test]
     fn coefficients_give_the_published_index() {
-        for (name, n_d, ..) in GLASSES {
-            let index = Glass::catalogue(name).map(|glass| glass.index(D_LINE_UM));
+        let lines = TABLE.lines().filter(|line| !line.starts_with('#')).count();
+        assert_eq!(glasses().len(), lines - 1, "a row could not be read");
+        for entry in glasses() {
+            let glass = find(&entry.name, &[&entry.catalogue], None);
+            let index = glass.map(|glass| glass.index(D_LINE_UM));
+            // One maker publishes four digits.
             assert!(
-                index.is_some_and(|index| (index - n_d).abs() < 1.1e-5),
-                "{name}: {index:?}, published {n_d}"
+                index.is_some_and(|index| (index - entry.n_d).abs() < 4e-5),
+                "{} {}: {index:?}, published {}",
+                entry.catalogue,
+                entry.name,
+                entry.n_d
             );
         }
+    }
+
+    #[test]
+    fn makers_and_indices_tell_glasses_of_one_name_apart() {
+        let index =
+            |catalogues: &[&str], n_d| find("F2", catalogues, n_d).map(|glass| glass.index(D_LINE_UM));
+        let near = |value: Option<f64>, wanted: f64| value.is_some_and(|value| (value - wanted).abs() < 2e-5);
+        assert!(near(index(&["SCHOTT"], None), 1.62004));
+        assert!(near(index(&["CDGM"], None), 1.61293));
+        assert!(near(index(&[], Some(1.61293)), 1.61293));
     }
 }

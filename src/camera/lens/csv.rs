@@ -54,6 +54,7 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
         let row = row.map_err(|error| syntax(error.to_string()))?;
         match row.kind.as_str() {
             "sensor" => break,
+            "stop" if stop.is_some() => return Err(syntax("more than one row is the stop".to_owned())),
             "stop" => stop = Some(surfaces.len()),
             "lens" => {}
             other => {
@@ -74,7 +75,7 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
 }
 
 fn surface_of(row: &Row) -> Result<Surface, String> {
-    let (n_d, v_d) = (row.n_d.unwrap_or(1.0), row.v_d.unwrap_or(0.0));
+    let v_d = row.v_d.unwrap_or(0.0);
     let mut aspheric = Vec::new();
     let pairs = row.aspheric_even_coeffs.as_deref().unwrap_or_default();
     for pair in pairs.split([' ', ';', '|']).filter(|pair| !pair.is_empty()) {
@@ -96,14 +97,22 @@ fn surface_of(row: &Row) -> Result<Surface, String> {
     };
     let name = row.glass.as_deref().filter(|name| !name.is_empty());
     Ok(Surface {
-        radius_mm: row.radius_mm,
+        radius_mm: plane_or(row.radius_mm),
         thickness_mm: row.thickness_mm,
-        glass: name.map_or_else(|| Glass::model(n_d, v_d), |name| Glass::named(name, n_d, v_d)),
+        glass: match name {
+            Some(name) => Glass::named(name, row.n_d, v_d)?,
+            None => Glass::model(row.n_d.unwrap_or(1.0), v_d),
+        },
         semi_diameter_mm: row.semi_diameter_mm.filter(|&radius| radius > 0.0),
         conic: row.conic.unwrap_or(0.0),
         aspheric,
         coating,
     })
+}
+
+/// A radius, with infinity for a plane too.
+pub fn plane_or(radius: f64) -> f64 {
+    if radius.is_infinite() { 0.0 } else { radius }
 }
 
 /// A file's name without its ending.

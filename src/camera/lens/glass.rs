@@ -22,43 +22,83 @@ pub enum Glass {
         v_d: f64,
     },
     /// A catalogue glass.
-    Sellmeier {
+    Catalogue {
         /// Its name.
         name: String,
-        /// B1, B2, B3 (no unit).
-        b: [f64; 3],
-        /// C1, C2, C3, square micrometres.
-        c: [f64; 3],
+        /// Its equation.
+        dispersion: Dispersion,
         /// Added to the index: the melt's n_d, where a prescription states it, less the catalogue's.
         offset: f64,
     },
 }
 
-impl Glass {
-    /// By name, with the catalogue's index.
-    pub fn catalogue(name: &str) -> Option<Self> {
-        let &(name, _, b, c) = catalogue::find(name)?;
-        Some(Self::Sellmeier {
-            name: name.to_owned(),
-            b,
-            c,
-            offset: 0.0,
-        })
-    }
+/// A maker's equation for n².
+#[derive(Clone, Debug, PartialEq)]
+pub enum Dispersion {
+    /// Sellmeier: n² = constant + Σ Bλ²/(λ² - C) (Schott TIE-29, section 2).
+    Sellmeier {
+        /// 1, or what stands for resonances far in the ultraviolet.
+        constant: f64,
+        /// B without unit, C in square micrometres.
+        terms: Vec<[f64; 2]>,
+    },
+    /// Schott's older form, which Hoya, Hikari and Sumita use: n² = constant + Σ A λ^p, λ in micrometres.
+    Powers {
+        /// The term without a power.
+        constant: f64,
+        /// A and p.
+        terms: Vec<[f64; 2]>,
+    },
+}
 
-    /// A named glass of stated index: where the catalogue knows it, its dispersion through the stated n_d; else by index
-    /// and dispersion alone.
-    pub fn named(name: &str, n_d: f64, v_d: f64) -> Self {
-        match Self::catalogue(name) {
-            Some(glass) if (glass.index(D_LINE_UM) - n_d).abs() < 1e-3 => glass.with_index(n_d),
-            _ => Self::model(n_d, v_d),
+impl Dispersion {
+    /// n² at a wavelength in micrometres.
+    pub fn square(&self, wavelength_um: f64) -> f64 {
+        let square = wavelength_um * wavelength_um;
+        match self {
+            Self::Sellmeier { constant, terms } => {
+                let sum: f64 = terms.iter().map(|[b, c]| b * square / (square - c)).sum();
+                constant + sum
+            }
+            Self::Powers { constant, terms } => {
+                let sum: f64 = terms
+                    .iter()
+                    .map(|[a, power]| a * wavelength_um.powf(*power))
+                    .sum();
+                constant + sum
+            }
+        }
+    }
+}
+
+impl Glass {
+    /// A named glass. Of stated index: where a catalogue knows it, its dispersion through the stated n_d, else by index and
+    /// dispersion alone. Without: the catalogue's.
+    ///
+    /// # Errors
+    /// A sentence, for a name in no catalogue without an index.
+    pub fn named(name: &str, n_d: Option<f64>, v_d: f64) -> Result<Self, String> {
+        let found = catalogue::find(name, &[], n_d);
+        match (found, n_d) {
+            (Some(glass), Some(n_d)) if (glass.index(D_LINE_UM) - n_d).abs() < 1e-3 => {
+                Ok(glass.with_index(n_d))
+            }
+            (_, Some(n_d)) => Ok(Self::model(n_d, v_d)),
+            (Some(glass), None) => Ok(glass),
+            (None, None) => Err(format!(
+                "the glass {name} is in no catalogue here; write its n_d and V_d beside it"
+            )),
         }
     }
 
     fn with_index(self, n_d: f64) -> Self {
         let offset = n_d - self.index(D_LINE_UM);
         match self {
-            Self::Sellmeier { name, b, c, .. } => Self::Sellmeier { name, b, c, offset },
+            Self::Catalogue { name, dispersion, .. } => Self::Catalogue {
+                name,
+                dispersion,
+                offset,
+            },
             other => other,
         }
     }
@@ -74,8 +114,8 @@ impl Glass {
 
     /// Index at a wavelength in micrometres, relative to air.
     ///
-    /// Catalogue glasses by Sellmeier's equation, n² = 1 + Σ Bᵢλ²/(λ² - Cᵢ) (Schott TIE-29, section 2); others by
-    /// Cauchy's two terms, n = A + B/λ², fitted to n_d and the Abbe number.
+    /// Catalogue glasses by their maker's equation; others by Cauchy's two terms, n = A + B/λ², fitted to n_d and the Abbe
+    /// number.
     pub fn index(&self, wavelength_um: f64) -> f64 {
         let square = wavelength_um * wavelength_um;
         match self {
@@ -88,10 +128,9 @@ impl Glass {
                 let slope = (n_d - 1.0) / (v_d * spread);
                 n_d + slope * (1.0 / square - 1.0 / (D_LINE_UM * D_LINE_UM))
             }
-            Self::Sellmeier { b, c, offset, .. } => {
-                let sum: f64 = b.iter().zip(c).map(|(b, c)| b * square / (square - c)).sum();
-                (1.0 + sum).sqrt() + offset
-            }
+            Self::Catalogue {
+                dispersion, offset, ..
+            } => dispersion.square(wavelength_um).sqrt() + offset,
         }
     }
 
@@ -104,7 +143,7 @@ impl Glass {
     /// Name of a catalogue glass.
     pub fn name(&self) -> Option<&str> {
         match self {
-            Self::Sellmeier { name, .. } => Some(name),
+            Self::Catalogue { name, .. } => Some(name),
             _ => None,
         }
     }

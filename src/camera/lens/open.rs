@@ -37,7 +37,7 @@ pub fn open(name: &str) -> Result<Lens, LensError> {
     let ending = path
         .extension()
         .map(|ending| ending.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
+    let lens = match ending.as_deref() {
         Some("toml") => table::read(path, &text),
         Some("csv") => csv::read(path, &text),
         Some("zmx") => zemax::read(path, &text),
@@ -46,13 +46,26 @@ pub fn open(name: &str) -> Result<Lens, LensError> {
         _ => Err(LensError::Format {
             path: path.to_owned(),
         }),
-    }
+    };
+    // The message names the file, not the title in it.
+    lens.map_err(|error| match error {
+        LensError::Unfit { what, .. } => LensError::Unfit {
+            name: path.display().to_string(),
+            what,
+        },
+        other => other,
+    })
 }
 
-/// Text in UTF-16 (either order, told by its mark), UTF-8, or else Latin-1.
+/// Text in UTF-16 (either order, told by its mark or by its zeros), UTF-8, or else Latin-1; lines may end the way of old
+/// Macintoshes.
 fn text_of(bytes: &[u8]) -> String {
-    let utf16 = |pair: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes[2..]
+    decoded(bytes).replace("\r\n", "\n").replace('\r', "\n")
+}
+
+fn decoded(bytes: &[u8]) -> String {
+    let utf16 = |first: usize, pair: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes[first..]
             .as_chunks::<2>()
             .0
             .iter()
@@ -61,8 +74,10 @@ fn text_of(bytes: &[u8]) -> String {
         String::from_utf16_lossy(&units)
     };
     match bytes {
-        [0xff, 0xfe, ..] => utf16(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => utf16(u16::from_be_bytes),
+        [0xff, 0xfe, ..] => utf16(2, u16::from_le_bytes),
+        [0xfe, 0xff, ..] => utf16(2, u16::from_be_bytes),
+        [1..=255, 0, 1..=255, 0, ..] => utf16(0, u16::from_le_bytes),
+        [0, 1..=255, 0, 1..=255, ..] => utf16(0, u16::from_be_bytes),
         _ => String::from_utf8(bytes.to_vec()).map_or_else(
             |_| bytes.iter().map(|&byte| char::from(byte)).collect(),
             |text| text.trim_start_matches('\u{feff}').to_owned(),

@@ -1,10 +1,10 @@
 //! Reads the lens table of pbrt's realistic camera (Pharr, Jakob & Humphreys, *Physically Based Rendering*, 3rd ed.,
 //! section 6.4.1): per line radius, thickness, index behind it, diameter of the clear aperture, all in millimetres from the
-//! front; the line with radius 0 is the stop. Lines that begin with # are comments.
+//! front; the first line with radius 0 and air behind it is the stop. Lines that begin with # are comments.
 
 use std::path::Path;
 
-use super::csv::stem;
+use super::csv::{plane_or, stem};
 use super::table::full_frame;
 use super::{Glass, Lens, LensError, Surface};
 
@@ -23,7 +23,8 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
                 what: format!("line {number} is not four numbers: radius, thickness, index, diameter"),
             });
         };
-        if radius == 0.0 && stop.is_none() {
+        let radius = plane_or(radius);
+        if radius == 0.0 && stop.is_none() && (index == 0.0 || index == 1.0) {
             stop = Some(surfaces.len());
         }
         // The table writes both 0 and 1 for air; it has no dispersion.

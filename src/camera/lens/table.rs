@@ -10,13 +10,14 @@
 //!   { radius = -28.85977, thickness = 42.58, conic = -0.4, aspheric = [0.0, 1e-6], coating = { wavelength_nm = 550.0, index = 1.38 } },
 //! ]
 //! ```
-//! A missing radius or 0 is a plane; a missing `n_d` is air; `aspheric` are the coefficients of r², r⁴ ...; a coating of
+//! A missing radius, 0 or inf is a plane; a missing `n_d` is the catalogue's, without a glass air; `aspheric` are the coefficients of r², r⁴ ...; a coating of
 //! several films is `coating = { layers = [{ index = 1.38, thickness_nm = 99.6 }, ...] }`, from the front.
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::csv::plane_or;
 use super::{Coating, Glass, Layer, Lens, LensError, Surface};
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -98,7 +99,15 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
             what: "more than one surface is marked as the stop".to_owned(),
         });
     }
-    let surfaces = file.surfaces.into_iter().map(surface_of).collect();
+    let surfaces = file
+        .surfaces
+        .into_iter()
+        .map(surface_of)
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|what| LensError::Syntax {
+            path: path.to_owned(),
+            what,
+        })?;
     Lens::new(
         file.name,
         file.source,
@@ -108,15 +117,14 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
     )
 }
 
-fn surface_of(row: Row) -> Surface {
-    let n_d = row.n_d.unwrap_or(1.0);
+fn surface_of(row: Row) -> Result<Surface, String> {
     let v_d = row.v_d.unwrap_or(0.0);
-    Surface {
-        radius_mm: row.radius,
+    Ok(Surface {
+        radius_mm: plane_or(row.radius),
         thickness_mm: row.thickness,
         glass: match &row.glass {
-            Some(name) => Glass::named(name, n_d, v_d),
-            None => Glass::model(n_d, v_d),
+            Some(name) => Glass::named(name, row.n_d, v_d)?,
+            None => Glass::model(row.n_d.unwrap_or(1.0), v_d),
         },
         semi_diameter_mm: row.semi_diameter,
         conic: row.conic,
@@ -135,7 +143,7 @@ fn surface_of(row: Row) -> Surface {
                     .collect(),
             },
         }),
-    }
+    })
 }
 
 /// A lens as the text of such a file.
