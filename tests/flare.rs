@@ -410,7 +410,7 @@ fn tables_of_images_play_what_was_recorded() {
     };
     let (most, turns) = (0.3, 4);
     let base = drawn(0.0, 0.0, Pattern::Nonlinear).0;
-    let table = renderer.bake_images(&base, most, [4, turns], SIZE).unwrap();
+    let table = renderer.bake_images(&base, most, [4, turns], 288).unwrap();
     assert_eq!(table.len(), 16);
     let (angle, turn) = (0.2, TAU / 4.0);
     let whole = renderer
@@ -419,7 +419,7 @@ fn tables_of_images_play_what_was_recorded() {
     let linear = drawn(angle, turn, Pattern::Linear).0;
     let played = renderer.picture(&linear, Some(&table), SIZE).unwrap();
     let near = nearness(&whole, &played);
-    assert!(near > 38.0, "{near} dB");
+    assert!(near > 30.0, "{near} dB");
 
     // The same through photos: sRGB files and a list.
     let folder = tempfile::tempdir().unwrap();

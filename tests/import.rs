@@ -1,5 +1,6 @@
 //! What an import says of odd sources: each remark names the file and what to do.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 mod support;
 
 use std::path::{Path, PathBuf};

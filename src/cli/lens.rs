@@ -2,15 +2,13 @@
 
 use std::path::PathBuf;
 
-use glam::{DMat2, DVec2};
+use glam::DMat2;
 use serde_json::{Value, json};
 
 use super::CommandError;
 use super::lens_flags::ghost_of;
 use crate::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in, open, to_toml};
-use crate::camera::{
-    Ghost, Paraxial, Tracer, beam_direction, crossings, ghosts, lens_diagram, single_crossing_ghosts,
-};
+use crate::camera::{Paraxial, crossings, ghosts, lens_diagram, single_crossing_ghosts};
 use crate::output::write_drawing;
 
 /// What to do with lenses.
@@ -61,28 +59,7 @@ pub enum LensCommand {
         json: bool,
     },
     /// One exact ray.
-    Trace {
-        /// A built-in name or a file.
-        lens: String,
-        /// Reflect at surface I, then at J (numbered from 1, the stop counted); without it, the image's ray.
-        #[arg(long, value_parser = super::lens_flags::pair)]
-        ghost: Option<[usize; 2]>,
-        /// Angle of the beam from the axis, degrees: its direction is (sin, 0, cos).
-        #[arg(long, allow_hyphen_values = true)]
-        angle: f64,
-        /// Where the ray crosses the plane of the first vertex: X,Y in millimetres.
-        #[arg(long, value_parser = super::lens_flags::millimetres, allow_hyphen_values = true)]
-        entry: DVec2,
-        /// Wavelength, nanometres [default: the d line].
-        #[arg(long)]
-        wavelength: Option<f64>,
-        /// Sensor behind the last vertex, millimetres, or `file` for the file's own gap [default: the paraxial focus].
-        #[arg(long, allow_hyphen_values = true)]
-        sensor: Option<String>,
-        /// Print one JSON object.
-        #[arg(long)]
-        json: bool,
-    },
+    Trace(super::lens_trace::TraceArgs),
 }
 
 /// Runs a lens command.
@@ -106,19 +83,7 @@ pub fn run(command: LensCommand) -> Result<(), CommandError> {
         LensCommand::Flare(args) => super::lens_flare::run(&args),
         LensCommand::Bake(args) => super::lens_bake::run(&args),
         LensCommand::Ghosts { lens, json } => list_ghosts(&open(&lens)?, json),
-        LensCommand::Trace {
-            lens,
-            ghost,
-            angle,
-            entry,
-            wavelength,
-            sensor,
-            json,
-        } => {
-            let lens = open(&lens)?;
-            let ghost = ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
-            trace(&lens, ghost, angle, entry, wavelength, sensor.as_deref(), json)
-        }
+        LensCommand::Trace(args) => super::lens_trace::run(&args),
     }
 }
 
@@ -247,70 +212,6 @@ fn list_ghosts(lens: &Lens, json: bool) -> Result<(), CommandError> {
             row["mf"][0][0].as_f64().unwrap_or_default(),
             row["mf"][0][1].as_f64().unwrap_or_default()
         );
-    }
-    Ok(())
-}
-
-fn trace(
-    lens: &Lens,
-    ghost: Option<Ghost>,
-    angle_deg: f64,
-    entry: DVec2,
-    wavelength_nm: Option<f64>,
-    sensor: Option<&str>,
-    json: bool,
-) -> Result<(), CommandError> {
-    let bad = |what: String| Err(CommandError::Argument(what));
-    if !angle_deg.is_finite() || angle_deg.abs() >= 90.0 {
-        return bad(format!("--angle {angle_deg}: give degrees between -90 and 90"));
-    }
-    let wavelength_um = wavelength_nm.map_or(D_LINE_UM, |nm| nm * 1e-3);
-    if !(0.2..=3.0).contains(&wavelength_um) {
-        return bad("--wavelength: give 200 to 3000 nanometres".to_owned());
-    }
-    let gap = match sensor {
-        None => Paraxial::new(lens, D_LINE_UM, None).sensor_gap_mm(),
-        Some("file") => lens.surfaces[lens.surfaces.len() - 1].thickness_mm,
-        Some(text) => match text.parse::<f64>() {
-            Ok(gap) if gap.is_finite() => gap,
-            _ => return bad(format!("--sensor {text}: give millimetres, or `file`")),
-        },
-    };
-    let tracer = Tracer::new(lens, wavelength_um, gap);
-    let ray = tracer.trace(ghost, entry, beam_direction(angle_deg.to_radians()));
-    let report = match ray {
-        Some(ray) => json!({
-            "stop_mm": ray.stop_mm.to_array(),
-            "sensor_mm": ray.sensor_mm.to_array(),
-            "alive": ray.is_alive(),
-            "relative_height": ray.relative_height,
-            "power": ray.power,
-            "sensor_gap_mm": gap,
-        }),
-        None => json!({
-            "stop_mm": null, "sensor_mm": null, "alive": false, "relative_height": null, "power": 0.0,
-            "sensor_gap_mm": gap,
-        }),
-    };
-    if json {
-        say!("{report}");
-        return Ok(());
-    }
-    match ray {
-        None => say!("the ray misses a surface or is reflected totally"),
-        Some(ray) => {
-            say!("stop   {:.6}, {:.6} mm", ray.stop_mm.x, ray.stop_mm.y);
-            say!("sensor {:.6}, {:.6} mm", ray.sensor_mm.x, ray.sensor_mm.y);
-            say!(
-                "{}; at most {:.3} of a clear radius",
-                if ray.is_alive() {
-                    "arrives"
-                } else {
-                    "is held by the barrel or the stop"
-                },
-                ray.relative_height
-            );
-        }
     }
     Ok(())
 }

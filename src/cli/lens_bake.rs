@@ -43,11 +43,12 @@ pub struct BakeArgs {
     out: PathBuf,
 }
 
-/// Pixels of a baked image.
-const IMAGE_SIZE: [u32; 2] = [360, 240];
+/// Pixels along a baked image's side.
+const IMAGE_SIDE: u32 = 240;
 
 /// Bakes and writes.
 pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
+    super::render::require_folder(&args.out)?;
     let lens = open(&args.lens)?;
     let table = match (&args.photos, args.two_angles, args.f_number) {
         (Some(list), _, _) => {
@@ -88,7 +89,7 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
                 fit: Fit::default(),
                 tracing: renderer.tracing(),
             };
-            let table = renderer.bake_images(&recipe, most_angle(&lens), steps, IMAGE_SIZE)?;
+            let table = renderer.bake_images(&recipe, most_angle(&lens), steps, IMAGE_SIDE)?;
             say!("{} images", table.len());
             TableFile::Images(table)
         }

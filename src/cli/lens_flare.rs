@@ -72,6 +72,7 @@ pub fn most_angle(lens: &Lens) -> f64 {
 
 /// Draws and writes.
 pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
+    super::render::require_folder(&args.out)?;
     let lens = open(&args.lens)?;
     let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
     if args.angle.x.abs() >= 90.0 {

@@ -20,6 +20,7 @@ mod lens;
 mod lens_bake;
 mod lens_flags;
 mod lens_flare;
+mod lens_trace;
 mod render;
 mod sample;
 

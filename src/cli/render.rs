@@ -178,7 +178,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
 }
 
 /// Fails before the long work when the result could not be written after it.
-fn require_folder(path: &std::path::Path) -> Result<(), CommandError> {
+pub fn require_folder(path: &std::path::Path) -> Result<(), CommandError> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_none_or(std::path::Path::is_dir) {
         return Ok(());

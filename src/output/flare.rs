@@ -54,6 +54,17 @@ impl<'a> FlareRenderer<'a> {
         images: Option<&ImageTable>,
         size: [u32; 2],
     ) -> Result<FlarePicture, RenderError> {
+        self.part(recipe, images, size, film_half_mm(recipe.lens, size))
+    }
+
+    /// The same over a rectangle that spans `half_mm` to each side of the film's middle.
+    fn part(
+        &self,
+        recipe: &FlareRecipe<'_>,
+        images: Option<&ImageTable>,
+        size: [u32; 2],
+        half_mm: [f64; 2],
+    ) -> Result<FlarePicture, RenderError> {
         let gpu = self.gpu;
         let start = std::time::Instant::now();
         let mesh = match images {
@@ -63,7 +74,6 @@ impl<'a> FlareRenderer<'a> {
         let mesh_ms = start.elapsed().as_secs_f64() * 1e3;
         let target = Target::new(gpu, "flare", size, FORMAT);
         let timer = PassTimer::new(gpu, 1);
-        let half_mm = film_half_mm(recipe.lens, size);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         self.pass
             .encode(gpu, &mut encoder, &target, &mesh, half_mm, 1.0, timer.of_pass(0));
@@ -138,9 +148,11 @@ impl<'a> FlareRenderer<'a> {
         recipe: &FlareRecipe<'_>,
         most_angle: f64,
         [angles, turns]: [u32; 2],
-        size: [u32; 2],
+        side: u32,
     ) -> Result<ImageTable, RenderError> {
-        let half_mm = film_half_mm(recipe.lens, size);
+        // A square that holds the film however it is turned.
+        let [width, height] = recipe.lens.film_mm;
+        let (size, half_mm) = ([side; 2], [0.5 * width.hypot(height); 2]);
         let mut images = Vec::new();
         for turn in (0..turns).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(turns)) {
             for angle in (0..angles).map(|k| most_angle * f64::from(k) / f64::from(angles.max(2) - 1)) {
@@ -156,7 +168,7 @@ impl<'a> FlareRenderer<'a> {
                     mode: FlareMode::Blended,
                     ..*recipe
                 };
-                let picture = self.picture(&nonlinear, None, size)?;
+                let picture = self.part(&nonlinear, None, size, half_mm)?;
                 images.push(LightImage::new(angle, turn, &picture.radiance, size, half_mm));
             }
         }

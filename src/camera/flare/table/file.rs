@@ -110,7 +110,10 @@ pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<TableFile, 
         why,
     };
     let reader = ZlibDecoder::new(BufReader::new(file)).take(MOST_BYTES);
-    let body: Body = ciborium::from_reader(reader).map_err(|error| damaged(error.to_string()))?;
+    let body: Body = ciborium::from_reader(reader).map_err(|error| match error {
+        ciborium::de::Error::Io(error) => damaged(error.to_string()),
+        other => damaged(other.to_string()),
+    })?;
     if body.format != FORMAT || body.version != VERSION {
         return Err(damaged(format!(
             "format '{}', version {}",

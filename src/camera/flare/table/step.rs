@@ -65,7 +65,7 @@ pub struct Open {
 
 /// Number of the ray that another's bits are told from: the one before it in its row, or the one in the row before.
 fn neighbour(ray: usize) -> Option<usize> {
-    if ray % SIDE > 0 {
+    if !ray.is_multiple_of(SIDE) {
         Some(ray - 1)
     } else {
         ray.checked_sub(SIDE)
