@@ -62,3 +62,14 @@ pub enum SourceError {
         why: String,
     },
 }
+
+/// What GDAL itself says of an error, without the binding's words around it.
+pub fn gdal_says(error: &gdal::errors::GdalError) -> String {
+    use gdal::errors::GdalError;
+    match error {
+        GdalError::NullPointer { msg, .. } | GdalError::CplError { msg, .. } if !msg.is_empty() => {
+            msg.trim_end_matches('.').to_owned()
+        }
+        other => other.to_string(),
+    }
+}

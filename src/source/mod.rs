@@ -10,6 +10,7 @@ mod vector;
 
 pub use crs_choice::CrsChoice;
 pub use error::SourceError;
+use error::gdal_says;
 pub use footprint::{Footprint, HeightRule, RoofSpec};
 pub use raster::{Dtm, DtmSampler, Photos};
 pub use vector::{

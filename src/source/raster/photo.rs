@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gdal::raster::{Buffer, GdalDataType};
 use gdal::{Dataset, DriverManager};
 
-use crate::source::{CrsChoice, SourceError};
+use crate::source::{CrsChoice, SourceError, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Photo files, in the order given; later ones lie on top.
@@ -72,7 +72,7 @@ impl PhotoFile {
     fn open(path: &Path, choice: &CrsChoice, city: &Crs) -> Result<Self, SourceError> {
         let open_error = |error: gdal::errors::GdalError| SourceError::Open {
             path: path.to_owned(),
-            why: error.to_string(),
+            why: gdal_says(&error),
             expected: "raster",
         };
         let dataset = Dataset::open(path).map_err(open_error)?;
@@ -116,7 +116,7 @@ impl PhotoFile {
         }
         let stretch = stretch(&dataset).map_err(|error| SourceError::Read {
             path: path.to_owned(),
-            why: error.to_string(),
+            why: gdal_says(&error),
         })?;
         Ok(Self {
             path: path.to_owned(),
@@ -140,7 +140,7 @@ impl PhotoFile {
             path: self.path.clone(),
             why,
         };
-        let gdal_error = |error: gdal::errors::GdalError| read_error(error.to_string());
+        let gdal_error = |error: gdal::errors::GdalError| read_error(gdal_says(&error));
         let source = Dataset::open(&self.path).map_err(gdal_error)?;
         let source = if self.is_paletted {
             in_colour(&source).map_err(read_error)?

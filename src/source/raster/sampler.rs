@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::sheet::{Sheet, SheetFile, open_raster};
 use super::window::Window;
-use crate::source::SourceError;
+use crate::source::{SourceError, gdal_says};
 use crate::space::{Crs, PointTransform};
 
 /// Lowest and highest believable ground, metres; beyond lie sentinels such as -32768 and 3.4e38.
@@ -213,7 +213,7 @@ impl OpenFile {
 fn damaged(path: &Path, error: &gdal::errors::GdalError) -> SourceError {
     SourceError::Read {
         path: path.to_owned(),
-        why: error.to_string(),
+        why: gdal_says(error),
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gdal::{Dataset, GeoTransformEx};
 use glam::DVec2;
 
-use crate::source::{CrsChoice, SourceError};
+use crate::source::{CrsChoice, SourceError, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// A file with its place in the sheet, pixels from the sheet's north-west corner.
@@ -48,7 +48,7 @@ impl Sheet {
         }
         let band = dataset.rasterband(1).map_err(|error| SourceError::Read {
             path: path.to_owned(),
-            why: error.to_string(),
+            why: gdal_says(&error),
         })?;
         if dataset.raster_count() >= 3 && band.band_type() == gdal::raster::GdalDataType::UInt8 {
             return Err(unfit(
@@ -164,7 +164,7 @@ impl Sheet {
     fn read_error(&self, error: &gdal::errors::GdalError) -> SourceError {
         SourceError::Read {
             path: self.files[0].path.clone(),
-            why: error.to_string(),
+            why: gdal_says(&error),
         }
     }
 
@@ -206,7 +206,7 @@ pub fn open_raster(path: &Path) -> Result<Dataset, SourceError> {
     )
     .map_err(|error| SourceError::Open {
         path: path.to_owned(),
-        why: error.to_string(),
+        why: gdal_says(&error),
         expected: "raster",
     })
 }

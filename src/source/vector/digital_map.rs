@@ -8,7 +8,7 @@ use geo::MultiPolygon;
 
 use super::FootprintSource;
 use super::feature::wkb_of;
-use crate::source::{Footprint, HeightRule, SourceError};
+use crate::source::{Footprint, HeightRule, SourceError, gdal_says};
 use crate::space::Crs;
 
 /// Name of the one layer.
@@ -50,7 +50,7 @@ impl MapWriter {
         };
         // The GeoPackage stores when it was last changed; the same input must give the same bytes.
         gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
-            .map_err(|error| write_error(error.to_string()))?;
+            .map_err(|error| write_error(gdal_says(&error)))?;
         if path.exists() {
             std::fs::remove_file(path).map_err(|error| write_error(error.to_string()))?;
         }
@@ -66,7 +66,7 @@ impl MapWriter {
             })?;
             Ok(dataset)
         };
-        let dataset = create().map_err(|error| write_error(error.to_string()))?;
+        let dataset = create().map_err(|error| write_error(gdal_says(&error)))?;
         // SAFETY: the dataset is open; a driver without transactions only returns an error.
         unsafe { gdal_sys::GDALDatasetStartTransaction(dataset.c_dataset(), 0) };
         Ok(Self {

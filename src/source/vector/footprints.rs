@@ -14,7 +14,7 @@ use super::clean::{CleanReport, clean_outline};
 use super::feature::{FieldPlace, collect_polygons, column_text};
 use super::outline::Outline;
 use super::{FootprintReport, MapWriter, cityjson};
-use crate::source::{CrsChoice, Footprint, HeightRule, RoofSpec, SourceError};
+use crate::source::{CrsChoice, Footprint, HeightRule, RoofSpec, SourceError, gdal_says};
 use crate::space::{Crs, PointTransform};
 
 /// One layer of a vector file.
@@ -127,7 +127,7 @@ impl FootprintSource {
     fn layer(&self) -> Result<gdal::vector::Layer<'_>, SourceError> {
         self.dataset
             .layer(self.layer_index)
-            .map_err(|error| self.read_error(error.to_string()))
+            .map_err(|error| self.read_error(gdal_says(&error)))
     }
 
     fn read_error(&self, why: String) -> SourceError {
@@ -455,7 +455,7 @@ fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
     )
     .map_err(|error| SourceError::Open {
         path: path.to_owned(),
-        why: error.to_string(),
+        why: gdal_says(&error),
         expected: "vector file",
     })
 }
