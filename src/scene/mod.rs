@@ -1,11 +1,19 @@
 //! Which tiles are on the GPU, and in which order they are drawn. For now every tile of level 0 is resident;
 //! streaming and levels have their place here.
 
+mod batch;
 mod cull;
+mod error;
+mod ground;
+mod maps;
 mod order;
 mod photo_mips;
+mod photos;
 mod resident;
 
 pub use cull::Frustum;
+pub use error::SceneError;
+pub use ground::{GroundSlot, GroundTile, TerrainMesh};
+pub use maps::TileSlot;
 pub use order::nearest_first;
-pub use resident::{GroundSlot, GroundTile, Resident, SceneError, TerrainMesh, TileSlot};
+pub use resident::Resident;
