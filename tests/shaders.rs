@@ -5,6 +5,7 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::buildings::{OutlineVertex, RoofRecord};
+use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, InterfaceRecord, RayRecord};
 use rilievo::relief::FrameUniforms;
 use rilievo::scene::{GroundTile, TileSlot};
@@ -150,6 +151,23 @@ fn records_are_laid_out_alike_on_both_sides() {
             "first" = first,
             "count" = count,
             "side" = side,
+            "padding" = padding,
+        ]
+    );
+    same_layout!(
+        "FlareFrame",
+        FlareFrame,
+        ["half_mm" = half_mm, "mask_reach" = mask_reach, "scale" = scale]
+    );
+    same_layout!(
+        "SpriteFrame",
+        SpriteFrame,
+        [
+            "middle_mm" = middle_mm,
+            "half_mm" = half_mm,
+            "turn" = turn,
+            "picture_half_mm" = picture_half_mm,
+            "radiance" = radiance,
             "padding" = padding,
         ]
     );

@@ -56,7 +56,7 @@ pub use aperture::Aperture;
 pub use blend::{Blend, Fit};
 pub use mesh::{FlareMesh, FlareMode, FlareRecipe, Pattern, flare_mesh};
 pub use nonlinear::nonlinearity;
-pub use pass::FlarePass;
+pub use pass::{FlareFrame, FlarePass};
 pub use quality::{Preset, Quality};
 pub use source::{FlareSource, FlareVertex};
 pub use spectrum::{Wavelength, spectrum};

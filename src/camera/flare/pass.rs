@@ -7,13 +7,14 @@ use super::{Aperture, FlareMesh, FlareVertex, Laid, added_pipeline, picture_grou
 use crate::camera::shaders::FLARE;
 use crate::gpu::{Gpu, Target, shader_module, uniform_buffer};
 
-/// Layout of `FlareFrame` in `shaders/camera/flare.wgsl`.
+/// Layout of `FlareFrame` in `shaders/camera/flare.wgsl`, where each field is explained.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-struct FlareFrame {
-    half_mm: [f32; 2],
-    mask_reach: f32,
-    scale: f32,
+#[allow(missing_docs)]
+pub struct FlareFrame {
+    pub half_mm: [f32; 2],
+    pub mask_reach: f32,
+    pub scale: f32,
 }
 
 /// Side of the aperture's mask, texels.

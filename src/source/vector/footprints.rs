@@ -1,50 +1,29 @@
-//! A footprint file opened with OGR, and the stream of cleaned footprints it gives.
+//! A footprint file opened with OGR, and its layer (`reading` takes the footprints out).
 
-use std::collections::HashSet;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-use gdal::vector::{Defn, Feature, LayerAccess, OGRwkbGeometryType};
+use gdal::vector::{Defn, LayerAccess, OGRwkbGeometryType};
 use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
-use geo::MultiPolygon;
 use glam::DVec2;
-use rayon::prelude::*;
 
-use super::clean::{CleanReport, clean_outline};
-use super::feature::{FieldPlace, collect_polygons, column_text};
-use super::outline::Outline;
-use super::{FootprintReport, MapWriter, cityjson};
-use crate::source::{CrsChoice, Footprint, HeightRule, RoofSpec, SourceError, gdal_says};
+use super::cityjson;
+use crate::source::{CrsChoice, HeightRule, SourceError, gdal_says};
 use crate::space::{Crs, PointTransform};
 
 /// One layer of a vector file.
 pub struct FootprintSource {
-    path: PathBuf,
-    dataset: Dataset,
-    layer_index: usize,
-    crs: Crs,
-    is_osm: bool,
+    pub(super) path: PathBuf,
+    pub(super) dataset: Dataset,
+    pub(super) layer_index: usize,
+    pub(super) crs: Crs,
+    pub(super) is_osm: bool,
     /// Lines count as outlines: CAD drawings have no areas.
-    is_cad: bool,
-    is_cityjson: bool,
+    pub(super) is_cad: bool,
+    pub(super) is_cityjson: bool,
     /// Building ids: the feature's place (source files) or its FID (the digital map of record).
-    ids_are_fids: bool,
+    pub(super) ids_are_fids: bool,
     /// The driver ends a damaged file like a whole one; its error messages and its own count tell.
-    reads_past_damage: bool,
-}
-
-/// A cleaned outline with what was changed, or why there is none.
-type Cleaned = Result<(MultiPolygon<f64>, CleanReport), &'static str>;
-
-/// Features cleaned in parallel at a time.
-const BATCH: usize = 8192;
-
-/// A feature taken out of OGR's hands.
-struct Raw {
-    place: u32,
-    outline: Outline,
-    roof: Result<RoofSpec, &'static str>,
-    left_out: Option<&'static str>,
+    pub(super) reads_past_damage: bool,
 }
 
 impl FootprintSource {
@@ -124,13 +103,13 @@ impl FootprintSource {
         Ok(layer.defn().fields().map(|field| field.name()).collect())
     }
 
-    fn layer(&self) -> Result<gdal::vector::Layer<'_>, SourceError> {
+    pub(super) fn layer(&self) -> Result<gdal::vector::Layer<'_>, SourceError> {
         self.dataset
             .layer(self.layer_index)
             .map_err(|error| self.read_error(gdal_says(&error)))
     }
 
-    fn read_error(&self, why: String) -> SourceError {
+    pub(super) fn read_error(&self, why: String) -> SourceError {
         SourceError::Read {
             path: self.path.clone(),
             why,
@@ -204,228 +183,13 @@ impl FootprintSource {
         Ok(names)
     }
 
-    fn unfit(&self, what: String, advice: String) -> SourceError {
+    pub(super) fn unfit(&self, what: String, advice: String) -> SourceError {
         SourceError::Unfit {
             path: self.path.clone(),
             what,
             advice,
         }
     }
-
-    /// Reads every feature into the city's CRS; kept ones go to `each` and, with their attributes, to `map`.
-    pub fn read(
-        &self,
-        city: &Crs,
-        rule: &HeightRule,
-        default_height_m: f64,
-        mut map: Option<&mut MapWriter>,
-        mut each: impl FnMut(Footprint),
-    ) -> Result<FootprintReport, SourceError> {
-        let mut layer = self.layer()?;
-        let field = self.field_place(layer.defn(), rule)?;
-        if let Some(map) = map.as_deref_mut() {
-            map.copy_fields(layer.defn())?;
-        }
-        let building_field = self
-            .is_osm
-            .then(|| layer.defn().field_index("building").ok())
-            .flatten();
-        let mut report = FootprintReport::default();
-        let mut seen = HashSet::new();
-        let mut place: u32 = 0;
-        let counted = if self.reads_past_damage {
-            layer.feature_count()
-        } else {
-            0
-        };
-        let mut features = layer.features();
-        loop {
-            let mut batch: Vec<(Feature<'_>, Raw)> = Vec::new();
-            reset_gdal_error();
-            for feature in features.by_ref().take(BATCH) {
-                place += 1;
-                let id = if self.ids_are_fids {
-                    feature
-                        .fid()
-                        .and_then(|fid| u32::try_from(fid).ok())
-                        .unwrap_or(place)
-                } else {
-                    place
-                };
-                let raw = self.raw(&feature, id, rule, field, building_field);
-                batch.push((feature, raw));
-            }
-            if batch.is_empty() {
-                if let Some(why) = gdal_failure() {
-                    return Err(self.read_error(why));
-                }
-                break;
-            }
-            if self.reads_past_damage
-                && let Some(why) = gdal_failure()
-            {
-                return Err(self.read_error(why));
-            }
-            report.read += batch.len() as u64;
-            let cleaned = self.clean(batch.iter().map(|(_, raw)| raw).collect(), city)?;
-            for ((feature, raw), outline) in batch.into_iter().zip(cleaned) {
-                let (outline, changes) = match outline {
-                    Ok(cleaned) => cleaned,
-                    Err(why) => {
-                        report.leave_out(why);
-                        continue;
-                    }
-                };
-                count_changes(&mut report, changes);
-                report.kept += 1;
-                if !seen.insert(fingerprint(&outline)) {
-                    report.duplicates += 1;
-                }
-                let default = RoofSpec::HeightAboveBase(default_height_m);
-                if let Some(map) = map.as_deref_mut() {
-                    map.add(&feature, raw.place, &outline)?;
-                }
-                each(Footprint {
-                    fid: raw.place,
-                    outline,
-                    roof: raw.roof.unwrap_or(default),
-                    default_height: raw.roof.err(),
-                });
-            }
-        }
-        if report.read < counted {
-            let why = format!("{} of {counted} features could be read", report.read);
-            return Err(self.read_error(why));
-        }
-        Ok(report)
-    }
-
-    fn field_place(&self, defn: &Defn, rule: &HeightRule) -> Result<Option<FieldPlace>, SourceError> {
-        let Some(name) = rule.field() else {
-            return Ok(None);
-        };
-        if let Ok(index) = defn.field_index(name) {
-            return Ok(Some(FieldPlace::Column(index)));
-        }
-        if let Ok(index) = defn.field_index("other_tags")
-            && (self.is_osm || self.ids_are_fids)
-        {
-            return Ok(Some(FieldPlace::OtherTags(index)));
-        }
-        let names: Vec<String> = defn.fields().map(|field| field.name()).collect();
-        let advice = if names.is_empty() {
-            "it has no fields at all: a shapefile needs its .dbf beside it".to_owned()
-        } else {
-            format!("its fields are {}", names.join(", "))
-        };
-        Err(self.unfit(format!("has no field '{name}'"), advice))
-    }
-
-    fn raw(
-        &self,
-        feature: &Feature<'_>,
-        place: u32,
-        rule: &HeightRule,
-        field: Option<FieldPlace>,
-        building_field: Option<usize>,
-    ) -> Raw {
-        let text = field
-            .zip(rule.field())
-            .and_then(|(field, key)| field.text(feature, key));
-        let roof = rule.roof_from_text(text.as_deref()).ok_or(match (&text, field) {
-            (_, None) => "no height field was named",
-            (None, _) => "the height is missing",
-            (Some(_), _) => "the height is zero, negative or not a number",
-        });
-        let mut raw = Raw {
-            place,
-            outline: Outline::default(),
-            roof,
-            left_out: None,
-        };
-        if let Some(index) = building_field {
-            let tag = column_text(feature, index);
-            if tag.is_none_or(|tag| tag == "no") {
-                raw.left_out = Some("not a building (no building tag)");
-                return raw;
-            }
-        }
-        let accept = if self.is_cad {
-            OGRwkbGeometryType::wkbLineString
-        } else {
-            OGRwkbGeometryType::wkbPolygon
-        };
-        match feature.geometry() {
-            Some(geometry) if !geometry.is_empty() => {
-                collect_polygons(geometry, &mut raw.outline, accept);
-                if raw.outline.polygons.is_empty() {
-                    raw.left_out = Some("not an area");
-                }
-            }
-            _ if self.is_cityjson => {
-                raw.left_out = Some("no surface of its own (parts are features of their own)")
-            }
-            _ => raw.left_out = Some("no geometry"),
-        }
-        raw
-    }
-
-    fn clean(&self, raws: Vec<&Raw>, city: &Crs) -> Result<Vec<Cleaned>, SourceError> {
-        let (from, path) = (&self.crs, &self.path);
-        raws.into_par_iter()
-            .with_min_len(256)
-            .map_init(
-                || PointTransform::new(from, city),
-                |transform, raw| {
-                    if let Some(why) = raw.left_out {
-                        return Ok(Err(why));
-                    }
-                    match transform {
-                        Ok(transform) => Ok(clean_outline(&transformed(&raw.outline, transform))),
-                        Err(error) => Err(SourceError::Unfit {
-                            path: path.clone(),
-                            what: error.to_string(),
-                            advice: "name the right CRS with --buildings-crs EPSG:n".to_owned(),
-                        }),
-                    }
-                },
-            )
-            .collect()
-    }
-}
-
-fn transformed(outline: &Outline, transform: &PointTransform) -> Outline {
-    if transform.is_identity() {
-        return outline.clone();
-    }
-    let points = outline.polygons.iter().flatten().flatten();
-    let (mut xs, mut ys): (Vec<f64>, Vec<f64>) = points.map(|point| (point.x, point.y)).unzip();
-    transform.points(&mut xs, &mut ys);
-    let mut moved = outline.clone();
-    let targets = moved.polygons.iter_mut().flatten().flatten();
-    for (point, (x, y)) in targets.zip(xs.into_iter().zip(ys)) {
-        (point.x, point.y) = (x, y);
-    }
-    moved
-}
-
-fn count_changes(report: &mut FootprintReport, changes: CleanReport) {
-    for (changed, what) in [
-        (changes.merged_points, "repeated points merged"),
-        (changes.closed, "open polylines closed"),
-        (changes.rebuilt, "self-crossing or invalid outlines rebuilt"),
-        (changes.dropped_rings, "rings without area dropped"),
-    ] {
-        if changed {
-            report.mend(what);
-        }
-    }
-}
-
-fn fingerprint(outline: &MultiPolygon<f64>) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    super::feature::wkb_of(outline).hash(&mut hasher);
-    hasher.finish()
 }
 
 fn may_hold_areas(defn: &Defn) -> bool {
@@ -458,19 +222,4 @@ fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
         why: gdal_says(&error),
         expected: "vector file",
     })
-}
-
-fn reset_gdal_error() {
-    // SAFETY: no arguments, thread-local state.
-    unsafe { gdal_sys::CPLErrorReset() };
-}
-
-/// GDAL's last message when it was a failure: OGR ends a damaged file like a finished one.
-fn gdal_failure() -> Option<String> {
-    // SAFETY: the message is GDAL's thread-local buffer, copied at once.
-    unsafe {
-        let failed = gdal_sys::CPLGetLastErrorType() >= gdal_sys::CPLErr::CE_Failure;
-        let message = std::ffi::CStr::from_ptr(gdal_sys::CPLGetLastErrorMsg());
-        failed.then(|| message.to_string_lossy().into_owned())
-    }
 }

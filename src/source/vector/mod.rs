@@ -6,6 +6,7 @@ mod digital_map;
 mod feature;
 mod footprints;
 mod outline;
+mod reading;
 mod report;
 
 pub use clean::{CleanReport, clean_outline};
