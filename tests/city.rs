@@ -115,7 +115,7 @@ fn an_edited_digital_map_is_not_lost() {
     let output = rilievo(&arguments);
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8_lossy(&output.stderr);
-    assert!(message.contains("buildings.gpkg: was edited"), "{message}");
+    assert!(message.contains("buildings.gpkg: is newer"), "{message}");
     assert_eq!(
         city.join("buildings.gpkg")
             .metadata()

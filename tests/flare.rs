@@ -453,7 +453,7 @@ fn tables_of_images_play_what_was_recorded() {
     }
     let path = folder.path().join("list.csv");
     std::fs::write(&path, list).unwrap();
-    let photos = table_from_photos(&path, None, lens.film_mm[0], 1.0).unwrap();
+    let photos = table_from_photos(&path, None, lens.film_mm[0], 1.0, false).unwrap();
     let play = |degrees: f64, photos: &ImageTable| {
         let recipe = drawn(degrees.to_radians(), 0.0, Pattern::Linear).0;
         renderer.picture(&recipe, Some(photos), SIZE).unwrap().radiance

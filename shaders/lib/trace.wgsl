@@ -51,15 +51,16 @@ fn sag_and_slope(face: Interface, square: f32) -> vec3<f32> {
     let inside = 1.0 - (1.0 + face.conic) * c * c * square;
     if inside <= 0.0 { return vec3<f32>(0.0); }
     let root = sqrt(inside);
-    var sag = c * square / (1.0 + root);
-    var slope = c / root;
-    var power = 1.0;
-    for (var k = 0u; k < face.term_count; k += 1u) {
-        let coefficient = terms[face.first_term + k];
-        slope += 2.0 * f32(k + 1u) * coefficient * power;
-        power *= square;
-        sag += coefficient * power;
+    // Horner's scheme from the highest term: powers of r² alone would overflow.
+    var sag = 0.0;
+    var slope = 0.0;
+    for (var k = face.term_count; k > 0u; k -= 1u) {
+        let coefficient = terms[face.first_term + k - 1u];
+        sag = (sag + coefficient) * square;
+        slope = slope * square + 2.0 * f32(k) * coefficient;
     }
+    sag += c * square / (1.0 + root);
+    slope += c / root;
     return vec3<f32>(sag, slope, 1.0);
 }
 

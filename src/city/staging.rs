@@ -77,6 +77,7 @@ impl Staging {
 
     /// Makes the city durable and puts it in place in one step, in exchange for an older one.
     pub fn finish(self) -> Result<(), CityError> {
+        refuse_edited(&self.target)?;
         let recipe = self.folder.join(RECIPE);
         fs::remove_file(&recipe).map_err(CityError::file(&recipe))?;
         sync(&self.folder)?;
@@ -127,7 +128,7 @@ fn refuse_edited(target: &Path) -> Result<(), CityError> {
     }
     Err(CityError::Unfit {
         what: format!(
-            "{}: was edited since the city was made, and an import would lose that",
+            "{}: is newer than the city's manifest: an edit since the city was made, which an import would lose",
             target.join("buildings.gpkg").display()
         ),
         advice: "move it elsewhere (and import it with --buildings), or choose another --out".to_owned(),

@@ -41,7 +41,12 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         let most_angle = super::lens_flare::most_angle(&lens);
         let table = FlareTable::bake(&lens, F_NUMBER, most_angle).map_err(RenderError::from)?;
         let bake_ms = start.elapsed().as_secs_f64() * 1e3;
-        for mode in [FlareMode::Paraxial, FlareMode::Blended, FlareMode::Exact] {
+        for mode in [
+            FlareMode::Paraxial,
+            FlareMode::TwoRays,
+            FlareMode::Blended,
+            FlareMode::Exact,
+        ] {
             let source = FlareSource {
                 angle: 5_f64.to_radians(),
                 turn: 0.5,

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::camera::flare::{Blend, Fit, FlareMode, Preset, Quality};
+use super::CommandError;
+use crate::camera::flare::{Blend, Fit, FlareMode, Preset, Quality, TableFile, open_table};
+use crate::camera::lens::Lens;
 
 /// What of a nonlinear ghost is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -30,17 +32,51 @@ pub struct FlareFlags {
     fit: Vec<Fitted>,
     /// Play a table that `rilievo lens bake` made.
     #[arg(long, requires = "lens")]
-    pub flare_table: Option<PathBuf>,
+    flare_table: Option<PathBuf>,
 }
 
 impl FlareFlags {
     /// The asked quality's row, or the one of `default`, in the asked mode.
     pub fn preset(&self, default: Quality) -> Preset {
         let row = self.quality.unwrap_or(default).preset();
+        // A table is what the blended mode plays.
+        let own = if self.flare_table.is_some() {
+            FlareMode::Blended
+        } else {
+            row.mode
+        };
         Preset {
-            mode: self.mode.unwrap_or(row.mode),
+            mode: self.mode.unwrap_or(own),
             ..row
         }
+    }
+
+    /// Whether a quality was asked for.
+    pub fn has_quality(&self) -> bool {
+        self.quality.is_some()
+    }
+
+    /// The asked table of a lens at an f-number.
+    ///
+    /// # Errors
+    /// When it does not fit the lens or the other flags.
+    pub fn table(&self, lens: &Lens, f_number: f64) -> Result<Option<TableFile>, CommandError> {
+        let Some(path) = &self.flare_table else {
+            return Ok(None);
+        };
+        if self.mode.is_some_and(|mode| mode != FlareMode::Blended) {
+            return Err(CommandError::Argument(
+                "--flare-table plays in the blended mode; leave out --flare (--mode)".to_owned(),
+            ));
+        }
+        let table = open_table(path, lens, f_number)?;
+        if matches!(table, TableFile::Images(_)) && (self.blend != Blend::Add || !self.fit.is_empty()) {
+            return Err(CommandError::Argument(format!(
+                "{}: holds images, which can only be added; leave out --blend and --fit",
+                path.display()
+            )));
+        }
+        Ok(Some(table))
     }
 
     /// The asked fits.

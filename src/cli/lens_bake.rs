@@ -21,7 +21,7 @@ pub struct BakeArgs {
     #[arg(long, value_parser = super::lens_flags::f_number, required_unless_present = "photos")]
     f_number: Option<f64>,
     /// Images over two angles instead of rays over one: ANGLESxTURNS, such as 16x8; for irises without symmetry.
-    #[arg(long, value_parser = super::render::size, conflicts_with = "photos")]
+    #[arg(long, value_parser = steps, conflicts_with = "photos")]
     two_angles: Option<[u32; 2]>,
     /// Blades of the iris in those images.
     #[arg(long, default_value_t = 8, requires = "two_angles")]
@@ -38,10 +38,31 @@ pub struct BakeArgs {
     /// Radiance of the photos' white under a light of irradiance 1, per steradian.
     #[arg(long, default_value_t = 1.0, requires = "photos")]
     white: f32,
+    /// Draw the linear ghosts beside the photos: they show the nonlinear ones alone.
+    #[arg(long, requires = "photos")]
+    with_linear: bool,
     /// The table to write.
     #[arg(long)]
     out: PathBuf,
 }
+
+/// `ANGLESxTURNS`.
+fn steps(text: &str) -> Result<[u32; 2], String> {
+    let counts: Option<Vec<u32>> = text.split('x').map(|count| count.parse().ok()).collect();
+    match counts.as_deref() {
+        Some(&[angles, turns])
+            if angles >= 2 && turns >= 1 && angles.saturating_mul(turns) <= MOST_IMAGES =>
+        {
+            Ok([angles, turns])
+        }
+        _ => Err(format!(
+            "give at least 2 angles and 1 turn, {MOST_IMAGES} images at most, such as 16x8"
+        )),
+    }
+}
+
+/// Most images of a table.
+const MOST_IMAGES: u32 = 600;
 
 /// Pixels along a baked image's side.
 const IMAGE_SIDE: u32 = 240;
@@ -58,16 +79,11 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
                     "--film-mm and --white: give numbers above 0".to_owned(),
                 ));
             }
-            let table = table_from_photos(list, args.dark.as_deref(), film_mm, args.white)?;
+            let table = table_from_photos(list, args.dark.as_deref(), film_mm, args.white, args.with_linear)?;
             say!("{} photos", table.len());
             TableFile::Images(table)
         }
         (None, Some(steps), Some(f_number)) => {
-            if steps[0] < 2 || steps.iter().any(|&count| count > 256) {
-                return Err(CommandError::Argument(
-                    "--two-angles: give 2 to 256 angles and 1 to 256 turns".to_owned(),
-                ));
-            }
             let gpu = Gpu::open().map_err(RenderError::from)?;
             let renderer = FlareRenderer::new(&gpu, &aperture(args.blades));
             let recipe = FlareRecipe {

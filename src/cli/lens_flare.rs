@@ -1,5 +1,6 @@
 //! `rilievo lens flare`: a picture of the sun's flare in a lens.
 
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use glam::DVec2;
@@ -8,7 +9,7 @@ use super::CommandError;
 use super::flare_flags::FlareFlags;
 use super::lens_flags::ghost_of;
 use crate::camera::flare::{
-    Aperture, FlareMode, FlareRecipe, FlareSource, Pattern, Quality, TableFile, Tracing, open_table,
+    Aperture, FlareMode, FlareRecipe, FlareSource, Pattern, Quality, TableFile, Tracing,
 };
 use crate::camera::lens::{D_LINE_UM, Lens, open};
 use crate::camera::{Paraxial, single_crossing_ghosts};
@@ -43,8 +44,8 @@ pub struct FlareArgs {
     /// Wavelengths: 3, or more for colour fringes [default: the quality's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(3..=64))]
     wavelengths: Option<u32>,
-    /// Rays along a side of a traced ghost's grid [default: the quality's].
-    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=1024))]
+    /// Rays along a side of a traced ghost's grid [default: the quality's, else 64].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=512))]
     rays: Option<u32>,
     /// Draw over the whole front of the lens, not the effective pupil alone: the same picture by more work.
     #[arg(long)]
@@ -84,36 +85,34 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
     let preset = args.flare.preset(Quality::Low);
     let gpu = Gpu::open().map_err(RenderError::from)?;
     let renderer = FlareRenderer::new(&gpu, &aperture(args.blades));
+    // A picture of one angle can afford more than a moving one.
+    let own_rays = if args.flare.has_quality() { preset.rays } else { 64 };
     let source = FlareSource {
-        angle: args.angle.x.to_radians(),
-        turn: args.angle.y.to_radians(),
+        // A negative angle is a positive one on the other side.
+        angle: args.angle.x.abs().to_radians(),
+        turn: args.angle.y.to_radians() + if args.angle.x < 0.0 { PI } else { 0.0 },
         irradiance: [1.0; 3],
         f_number: args.f_number,
         wavelengths: args
             .wavelengths
             .map_or(preset.wavelengths, |count| count as usize),
-        // A picture of one angle can afford more than a moving one.
-        rays: args.rays.map_or(preset.rays.max(64), |count| count as usize),
+        rays: args.rays.map_or(own_rays, |count| count as usize),
         whole_entrance: args.whole_entrance,
     };
-    let table = match &args.flare.flare_table {
-        Some(path) => Some(open_table(path, &lens, args.f_number)?),
+    let table = match args.flare.table(&lens, args.f_number)? {
         None if args.table && preset.mode == FlareMode::Blended => Some(TableFile::Rays(
             super::lens_bake::bake_rays(&lens, args.f_number)?,
         )),
-        None => None,
+        table => table,
     };
-    let (rays, images) = match &table {
-        Some(TableFile::Rays(table)) => (Some(table), None),
-        Some(TableFile::Images(table)) => (None, Some(table)),
-        None => (None, None),
-    };
+    let nothing = (None, None, Pattern::Whole);
+    let (rays, images, pattern) = table.as_ref().map_or(nothing, |table| table.at(source.angle));
     let recipe = FlareRecipe {
         lens: &lens,
         source,
         mode: preset.mode,
         only: ghost,
-        pattern: images.map_or(Pattern::Whole, |_| Pattern::Linear),
+        pattern,
         table: rays,
         blend: args.flare.blend,
         fit: args.flare.fit(),
@@ -124,6 +123,10 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         },
     };
     if args.sheet {
+        let recipe = FlareRecipe {
+            pattern: Pattern::Whole,
+            ..recipe
+        };
         let (pixels, columns) = renderer.sheet(&recipe, args.size)?;
         write_png(&args.out, args.size, &pixels)?;
         for (row, ghosts) in single_crossing_ghosts(&lens).chunks(columns).enumerate() {

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::CommandError;
 use super::flare_flags::FlareFlags;
-use crate::camera::flare::{Aperture, Quality, open_table};
+use crate::camera::flare::{Aperture, Quality};
 use crate::city::City;
 use crate::output::{LensRequest, PictureRequest, Renderer, write_depth, write_ids, write_png};
 use crate::relief::{CpuMap, Light, ReliefMode, sun_visibility};
@@ -129,9 +129,9 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     };
     let renderer = Renderer::open(&city, args.relief, mesh)?;
     let lens = args.lens.as_deref().map(crate::camera::lens::open).transpose()?;
-    let table = match (&args.flare.flare_table, &lens) {
-        (Some(path), Some(lens)) => Some(open_table(path, lens, args.f_number)?),
-        _ => None,
+    let table = match &lens {
+        Some(lens) => args.flare.table(lens, args.f_number)?,
+        None => None,
     };
     let sun_visibility = match &lens {
         Some(_) => {

@@ -19,7 +19,7 @@ pub struct FlarePicture {
     pub area_mm2: f64,
     /// GPU milliseconds, where the device can time.
     pub gpu_ms: Option<f64>,
-    /// Milliseconds to make the triangles on the CPU.
+    /// Milliseconds to make the triangles, tracing on either device included.
     pub mesh_ms: f64,
 }
 
@@ -172,7 +172,7 @@ impl<'a> FlareRenderer<'a> {
                 images.push(LightImage::new(angle, turn, &picture.radiance, size, half_mm));
             }
         }
-        Ok(ImageTable::new(images, true))
+        Ok(ImageTable::new(images, true, Some(recipe.source.f_number)))
     }
 }
 

@@ -185,18 +185,15 @@ fn add_flare(
     let half_mm = [half_height * width / height, half_height];
     let visible = source.irradiance.map(|channel| channel * lens.sun_visibility);
 
-    let (rays, images) = match lens.table {
-        Some(TableFile::Rays(table)) => (Some(table), None),
-        Some(TableFile::Images(table)) => (None, Some(table)),
-        None => (None, None),
-    };
+    let nothing = (None, None, Pattern::Whole);
+    let (rays, images, pattern) = lens.table.map_or(nothing, |table| table.at(source.angle));
     let ray_pass = RayPass::new(gpu);
     let recipe = FlareRecipe {
         lens: lens.lens,
         source,
         mode: preset.mode,
         only: None,
-        pattern: images.map_or(Pattern::Whole, |_| Pattern::Linear),
+        pattern,
         table: rays,
         blend: lens.blend,
         fit: lens.fit,

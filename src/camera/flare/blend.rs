@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::grid::RayGrid;
 use super::linear::LinearGhost;
 use super::nonlinear::LINEAR_ENOUGH;
+use super::quad::Losses;
 
 /// The ways to blend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -65,12 +66,12 @@ impl Moments {
 
 /// Fits a ghost's rays to its linear image: the spread (root mean square distance from the middle) by scaling about the
 /// middle, the light by a factor on the power. As it is where either image is empty.
-pub fn fitted(mut grid: RayGrid, linear: &LinearGhost, power: f64, fit: Fit) -> RayGrid {
+pub fn fitted(mut grid: RayGrid, linear: &LinearGhost, losses: &Losses, fit: Fit) -> RayGrid {
     let (mut traced, mut ideal) = (Vec::new(), Vec::new());
     for (k, ray) in grid.rays.iter().enumerate() {
         let entry = grid.entry(k);
         if linear.stop(entry).length() <= linear.stop_mm && entry.length() <= linear.barrel_mm {
-            ideal.push((linear.sensor(entry), power));
+            ideal.push((linear.sensor(entry), losses.power_at(entry)));
         }
         if let Some(ray) = ray
             && ray.relative_height <= 1.0

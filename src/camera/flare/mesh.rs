@@ -16,7 +16,7 @@ use super::blend::{Blend, Fit, fitted, shares};
 use super::grid::{RayGrid, SEARCH_RAYS};
 use super::linear::{LinearGhost, stop_radius};
 use super::nonlinear::nonlinearity;
-use super::quad::{quad, two_rays};
+use super::quad::{Losses, quad, two_rays};
 use super::source::{FlareSource, FlareVertex};
 use super::table::FlareTable;
 use super::tracing::Tracing;
@@ -87,8 +87,8 @@ pub struct FlareMesh {
     pub above: Vec<FlareVertex>,
 }
 
-/// Grids traced and turned into triangles at a time.
-const GRIDS_AT_ONCE: usize = 64;
+/// Rays traced and turned into triangles at a time.
+const RAYS_AT_ONCE: usize = 1 << 18;
 
 /// A ghost and the shares of its linear and its nonlinear image.
 struct Part {
@@ -151,8 +151,10 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
                         grid
                     } else {
                         let tracer = Tracer::new(lens, optics.colour.um, gap);
-                        let axial = tracer.trace(Some(part.ghost), DVec2::ZERO, glam::DVec3::Z);
-                        fitted(grid, &linear, axial.map_or(0.0, |ray| ray.power), recipe.fit)
+                        match Losses::of(&tracer, &linear, &source, part.ghost) {
+                            Some(losses) => fitted(grid, &linear, &losses, recipe.fit),
+                            None => grid,
+                        }
                     };
                     let opacity = if std::ptr::eq(*optics, covering) {
                         part.nonlinear
@@ -205,7 +207,8 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
                 }));
             }
         }
-        for jobs in jobs.chunks(GRIDS_AT_ONCE) {
+        let at_once = (RAYS_AT_ONCE / source.rays.pow(2).max(1)).max(1);
+        for jobs in jobs.chunks(at_once) {
             let (jobs, bundles): (Vec<_>, Vec<_>) = jobs.iter().copied().unzip();
             let grids = recipe.tracing.grids(lens, gap, &bundles, source.rays)?;
             traced.extend(grids_of(&jobs, grids.into_iter().map(Some).collect()));
@@ -241,17 +244,22 @@ fn parts(recipe: &FlareRecipe<'_>) -> Vec<Part> {
     ghosts
         .into_par_iter()
         .map(|ghost| {
-            let [linear, nonlinear] = match (recipe.mode, recipe.table) {
+            // Beside a table of images, ghosts are shared out as they were when it was drawn.
+            let (mode, blend) = match recipe.pattern {
+                Pattern::Whole => (recipe.mode, recipe.blend),
+                _ => (FlareMode::Blended, Blend::Add),
+            };
+            let [linear, nonlinear] = match (mode, recipe.table) {
                 (FlareMode::Paraxial | FlareMode::TwoRays, _) => [1.0, 0.0],
                 (FlareMode::Exact, _) => [0.0, 1.0],
                 (FlareMode::Blended, Some(table)) => match table.ghost(ghost) {
-                    Some(_) if recipe.blend == Blend::Add => [0.0, 1.0],
-                    Some(tabled) => shares(recipe.blend, tabled.departure(source.angle)),
+                    Some(_) if blend == Blend::Add => [0.0, 1.0],
+                    Some(tabled) => shares(blend, tabled.departure(source.angle)),
                     None => [1.0, 0.0],
                 },
                 (FlareMode::Blended, None) => {
                     let departure = nonlinearity(lens, ghost, source.angle, source.f_number);
-                    shares(recipe.blend, departure.unwrap_or(f64::INFINITY))
+                    shares(blend, departure.unwrap_or(f64::INFINITY))
                 }
             };
             let drawn = |is_drawn: bool, share: f64| if is_drawn { share } else { 0.0 };

@@ -87,7 +87,7 @@ pub fn two_rays(
 }
 
 /// Share of the power that arrives, linear over the entrance.
-struct Losses {
+pub struct Losses {
     middle: DVec2,
     power: f64,
     slope: DVec2,
@@ -96,7 +96,7 @@ struct Losses {
 impl Losses {
     /// At the true angles of the ray through the middle (of an axial one where that ray does not arrive), changing by rays to
     /// either side that the iris still lets through. None when neither arrives.
-    fn of(tracer: &Tracer<'_>, linear: &LinearGhost, source: &FlareSource, ghost: Ghost) -> Option<Self> {
+    pub fn of(tracer: &Tracer<'_>, linear: &LinearGhost, source: &FlareSource, ghost: Ghost) -> Option<Self> {
         let middle = tracer.trace(Some(ghost), linear.middle, beam_direction(source.angle));
         let axial = || tracer.trace(Some(ghost), DVec2::ZERO, beam_direction(0.0));
         let power = middle.or_else(axial)?.power;
@@ -117,7 +117,8 @@ impl Losses {
         })
     }
 
-    fn power_at(&self, entry: DVec2) -> f64 {
+    /// At a place in the entrance, millimetres.
+    pub fn power_at(&self, entry: DVec2) -> f64 {
         self.power + self.slope.dot(entry - self.middle)
     }
 }

@@ -26,7 +26,7 @@ pub struct Preset {
     pub rays: usize,
     /// Wavelengths of the starburst.
     pub star_wavelengths: usize,
-    /// Side of its transform.
+    /// Side of its transform; the starburst is drawn the farther the larger it is.
     pub star_side: usize,
 }
 
@@ -45,7 +45,7 @@ impl Quality {
     /// Its row: ghosts, their wavelengths and rays a side; the starburst's wavelengths and side.
     pub const fn preset(self) -> Preset {
         match self {
-            Self::Low => preset(FlareMode::Paraxial, [3, 2, 7, 1024]),
+            Self::Low => preset(FlareMode::Paraxial, [3, 24, 7, 1024]),
             Self::Medium => preset(FlareMode::Blended, [3, 24, 11, 2048]),
             Self::High => preset(FlareMode::Blended, [7, 40, 15, 4096]),
             Self::Ultra => preset(FlareMode::Exact, [15, 64, 31, 4096]),

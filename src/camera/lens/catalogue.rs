@@ -108,6 +108,17 @@ pub fn find(name: &str, catalogues: &[&str], n_d: Option<f64>) -> Option<Glass> 
     })
 }
 
+/// Whether a glass is of one of some makers.
+pub fn is_of(glass: &Glass, catalogues: &[&str]) -> bool {
+    let is_it = |entry: &Entry| glass.name() == Some(&entry.name) && glass.is_by(&entry.dispersion);
+    let is_theirs = |entry: &&Entry| {
+        catalogues
+            .iter()
+            .any(|maker| entry.catalogue == maker.to_uppercase())
+    };
+    glasses().iter().filter(is_theirs).any(is_it)
+}
+
 /// Whether a maker of that name is in the table.
 pub fn has_catalogue(name: &str) -> bool {
     glasses()

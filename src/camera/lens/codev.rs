@@ -99,6 +99,15 @@ impl File {
         if let Some(surface) = self.new_surface(&code) {
             return self.add(surface, words);
         }
+        let is_numbered = code
+            .strip_prefix('S')
+            .is_some_and(|number| number.parse::<usize>().is_ok());
+        if is_numbered {
+            return Err(format!(
+                "{code} is not the next surface, which would be S{}; change one with RDY, THI or GLA",
+                self.rows.len()
+            ));
+        }
         if UNKNOWN_SHAPES.contains(&code.as_str()) {
             return Err(format!(
                 "{code} is not supported; lenses of spheres, conics and even aspheres on one axis are"

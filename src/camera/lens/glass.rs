@@ -140,6 +140,11 @@ impl Glass {
         (d - 1.0) / (f - c)
     }
 
+    /// Whether it is a catalogue glass with this equation.
+    pub fn is_by(&self, equation: &Dispersion) -> bool {
+        matches!(self, Self::Catalogue { dispersion, .. } if dispersion == equation)
+    }
+
     /// Name of a catalogue glass.
     pub fn name(&self) -> Option<&str> {
         match self {

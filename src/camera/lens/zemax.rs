@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::catalogue::{find, from_code, is_placeholder};
+use super::catalogue::{find, from_code, is_of, is_placeholder};
 use super::csv::stem;
 use super::table::full_frame;
 use super::{Glass, Lens, LensError, Surface};
@@ -93,7 +93,10 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
                 let (n_d, v_d) = (value(4).unwrap_or(0.0), value(5).unwrap_or(0.0));
                 let stated = (!is_placeholder(n_d, v_d)).then_some(n_d);
                 let makers: Vec<&str> = catalogues.iter().map(String::as_str).collect();
+                let is_near = |glass: &Glass, n_d: f64| (glass.index(super::D_LINE_UM) - n_d).abs() < 1e-3;
+                // A maker that the file does not name counts only where the stated index is its glass's.
                 let found = find(glass, &makers, stated)
+                    .filter(|glass| is_of(glass, &makers) || stated.is_none_or(|n_d| is_near(glass, n_d)))
                     .or_else(|| from_code(glass))
                     .filter(|_| !is_model);
                 surface.glass = match (found, stated) {

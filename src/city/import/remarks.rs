@@ -24,7 +24,7 @@ pub fn remarks(sources: &Sources, city: &Bounds, place: &Place) -> Result<Vec<St
     let unsaid: Vec<&Path> = sources.dtm.files_of_unsaid_unit().collect();
     remarks.extend(about(
         &unsaid,
-        "is in a CRS in feet and does not name the unit of its heights: read as metres; \
+        "is in a CRS that is not in metres and does not name the unit of its heights: read as metres; \
          if they are feet, give --terrain-unit 0.3048 (US survey feet: 0.3048006)",
     ));
     if let Some(photos) = &sources.photos {

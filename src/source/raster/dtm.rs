@@ -88,8 +88,10 @@ impl Dtm {
 
     /// Files in a CRS not in metres that say nothing of their vertical unit: their heights are taken as metres.
     pub fn files_of_unsaid_unit(&self) -> impl Iterator<Item = &Path> {
-        let sheets = self.sheets.iter().filter(|sheet| sheet.unit_unsaid);
-        sheets.flat_map(|sheet| sheet.files.iter().map(|file| file.path.as_path()))
+        let files = self.sheets.iter().flat_map(|sheet| &sheet.files);
+        files
+            .filter(|file| file.unit_unsaid)
+            .map(|file| file.path.as_path())
     }
 
     /// Longitude and latitude of the finest sheet's middle, degrees.

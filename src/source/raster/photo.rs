@@ -114,7 +114,8 @@ impl PhotoFile {
                 bounds.include(point.x, point.y);
             }
         }
-        let stretch = stretch(&dataset).map_err(|error| SourceError::Read {
+        let stretch = if is_paletted { Ok(None) } else { stretch(&dataset) };
+        let stretch = stretch.map_err(|error| SourceError::Read {
             path: path.to_owned(),
             why: gdal_says(&error),
         })?;
@@ -220,9 +221,9 @@ fn stretch(dataset: &Dataset) -> Result<Option<[f64; 2]>, gdal::errors::GdalErro
     })
 }
 
-/// `gdal_translate -expand rgba` into memory: colours can be averaged, indices into a table cannot.
+/// `gdal_translate -expand rgba` as it is read: colours can be averaged, indices into a table cannot.
 fn in_colour(source: &Dataset) -> Result<Dataset, String> {
-    let options = ["-of", "MEM", "-expand", "rgba"].map(str::to_owned);
+    let options = ["-of", "VRT", "-expand", "rgba"].map(str::to_owned);
     let (_texts, mut pointers) = c_strings(&options)?;
     let destination = CString::default();
     // SAFETY: every pointer outlives the call; the returned handle is checked and owned by `Dataset`.

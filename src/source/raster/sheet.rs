@@ -14,6 +14,8 @@ pub struct SheetFile {
     pub path: PathBuf,
     pub first: [usize; 2],
     pub size: [usize; 2],
+    /// The CRS is not in metres, and neither file nor user names the unit of heights.
+    pub unit_unsaid: bool,
 }
 
 /// Files of one CRS whose pixels lie on one lattice, read as one mosaic; later files lie on top.
@@ -25,8 +27,6 @@ pub struct Sheet {
     pub ground_from_pixel: [f64; 6],
     pub size: [usize; 2],
     pub metres_per_unit: f64,
-    /// The CRS is in feet or the like, and neither file nor user names the unit of heights.
-    pub unit_unsaid: bool,
     pub pixel_m: f64,
     pub bounds: Bounds,
 }
@@ -79,13 +79,13 @@ impl Sheet {
                 path: path.to_owned(),
                 first: [0, 0],
                 size: [width, height],
+                unit_unsaid: unit.is_none() && !in_metres,
             }],
             crs,
             pixel_from_ground,
             ground_from_pixel,
             size: [width, height],
             metres_per_unit: unit.unwrap_or(1.0),
-            unit_unsaid: unit.is_none() && !in_metres,
             pixel_m: 0.0,
             bounds: Bounds::EMPTY,
         };

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::{FlareTable, ImageTable};
+use crate::camera::flare::Pattern;
 use crate::camera::lens::{Lens, to_toml};
 
 /// A table cannot be used.
@@ -71,7 +72,7 @@ struct Body {
 const FORMAT: &str = "rilievo flare table";
 const VERSION: u32 = 1;
 /// Most bytes of an unpacked file.
-const MOST_BYTES: u64 = 1 << 30;
+const MOST_BYTES: u64 = 128 << 20;
 
 /// Writes a table; returns the file's bytes. The old file stays until the new one is whole.
 pub fn write_table(path: &Path, lens: &Lens, table: TableFile) -> Result<u64, TableError> {
@@ -94,6 +95,7 @@ pub fn write_table(path: &Path, lens: &Lens, table: TableFile) -> Result<u64, Ta
         .map_err(|error| file_error(std::io::Error::other(error.to_string())))?;
     let mut writer = encoder.finish().map_err(file_error)?;
     writer.flush().map_err(file_error)?;
+    writer.get_ref().sync_all().map_err(file_error)?;
     let bytes = writer.get_ref().metadata().map_err(file_error)?.len();
     std::fs::rename(&partial, path).map_err(file_error)?;
     Ok(bytes)
@@ -131,14 +133,35 @@ pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<TableFile, 
         path: path.to_owned(),
         what,
     };
-    if body.lens != to_toml(lens) {
+    if optics_of(&body.lens) != optics_of(&to_toml(lens)) {
         let name = body.lens.lines().find_map(|line| line.strip_prefix("name = "));
         return Err(other(format!("another lens ({})", name.unwrap_or("unnamed"))));
     }
-    match &body.table {
-        TableFile::Rays(table) if (table.f_number / f_number - 1.0).abs() > 1e-3 => {
-            Err(other(format!("f/{}", table.f_number)))
-        }
+    let made_for = match &body.table {
+        TableFile::Rays(table) => Some(table.f_number),
+        TableFile::Images(table) => table.f_number,
+    };
+    match made_for {
+        Some(number) if (number / f_number - 1.0).abs() > 1e-3 => Err(other(format!("f/{number}"))),
         _ => Ok(body.table),
+    }
+}
+
+/// A lens's table without its name and where it comes from, which change with the path of its file.
+fn optics_of(toml: &str) -> Vec<&str> {
+    let is_optics = |line: &&str| !line.starts_with("name = ") && !line.starts_with("source = ");
+    toml.lines().filter(is_optics).collect()
+}
+
+impl TableFile {
+    /// What plays a light at an angle, radians: rays, images, and which images of ghosts are then still to be made. Beyond
+    /// its largest angle a table plays nothing, and all is made.
+    pub fn at(&self, angle: f64) -> (Option<&FlareTable>, Option<&ImageTable>, Pattern) {
+        match self {
+            Self::Rays(table) if angle <= table.most_angle() => (Some(table), None, Pattern::Whole),
+            Self::Images(table) if !table.with_linear => (None, Some(table), Pattern::Linear),
+            Self::Images(table) if angle <= table.most_angle() => (None, Some(table), Pattern::Linear),
+            _ => (None, None, Pattern::Whole),
+        }
     }
 }

@@ -7,6 +7,9 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+/// Most pixels along an image's side.
+pub const MOST_SIDE: u32 = 1024;
+
 /// An image of the light's flare.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightImage {
@@ -32,6 +35,8 @@ pub struct LightImage {
 pub struct ImageTable {
     /// Whether the linear part of the flare is drawn beside the images.
     pub with_linear: bool,
+    /// f-number it was drawn for; none for photos.
+    pub f_number: Option<f64>,
     images: Vec<LightImage>,
 }
 
@@ -101,17 +106,27 @@ impl LightImage {
         let numbers = [self.low_mm, self.high_mm, [self.angle, self.turn]];
         pixels > 0
             && 3 * pixels == self.roots.len() as u64
-            && self.size.iter().all(|&side| side <= 8192)
+            && self.size.iter().all(|&side| side <= MOST_SIDE)
             && self.brightest.is_finite()
+            && self.brightest >= 0.0
+            && (0.0..TAU).contains(&self.turn)
+            && (0..2).all(|axis| self.low_mm[axis] < self.high_mm[axis])
             && numbers.iter().flatten().all(|number| number.is_finite())
     }
 }
 
 impl ImageTable {
     /// Of images in any order.
-    pub fn new(mut images: Vec<LightImage>, with_linear: bool) -> Self {
+    pub fn new(mut images: Vec<LightImage>, with_linear: bool, f_number: Option<f64>) -> Self {
+        for image in &mut images {
+            image.turn = image.turn.rem_euclid(TAU);
+        }
         images.sort_by(|a, b| a.turn.total_cmp(&b.turn).then(a.angle.total_cmp(&b.angle)));
-        Self { with_linear, images }
+        Self {
+            with_linear,
+            f_number,
+            images,
+        }
     }
 
     /// Number of images.
@@ -122,6 +137,17 @@ impl ImageTable {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.images.is_empty()
+    }
+
+    /// Largest angle of an image, radians.
+    pub fn most_angle(&self) -> f64 {
+        self.images.iter().map(|image| image.angle).fold(0.0, f64::max)
+    }
+
+    /// Whether two images are of the same angles.
+    pub(super) fn repeats(&self) -> bool {
+        let same = |pair: &[LightImage]| (pair[0].turn, pair[0].angle) == (pair[1].turn, pair[1].angle);
+        self.images.windows(2).any(same)
     }
 
     pub(super) fn is_sound(&self) -> bool {

@@ -6,13 +6,15 @@
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
-use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::{ImageTable, LightImage, TableError};
 
-/// Photos are reduced to this width at most, pixels.
-const MOST_WIDTH: u32 = 480;
+/// Photos are reduced until neither side is longer, pixels.
+const MOST_PIXELS: u32 = 480;
+/// Most pixels of a photo's side, and most bytes it may take while it is read.
+const MOST_PHOTO_SIDE: u32 = 20_000;
+const MOST_PHOTO_BYTES: u64 = 1 << 30;
 
 #[derive(Deserialize)]
 struct Row {
@@ -23,12 +25,13 @@ struct Row {
 }
 
 /// Reads the listed photos, less a photo taken with the light off where there is one. Their width spans `film_width_mm`; a
-/// white pixel is radiance `white` under a light of irradiance 1.
+/// white pixel is radiance `white` under a light of irradiance 1. `with_linear` where the linear part is drawn beside them.
 pub fn table_from_photos(
     list: &Path,
     dark: Option<&Path>,
     film_width_mm: f64,
     white: f32,
+    with_linear: bool,
 ) -> Result<ImageTable, TableError> {
     let unfit = |path: &Path, why: String| TableError::Photos {
         path: path.to_owned(),
@@ -48,8 +51,9 @@ pub fn table_from_photos(
     }
     let dark = dark.map(linear).transpose()?;
     let folder = list.parent().unwrap_or(Path::new(""));
+    // One after the other: a photo of many megapixels takes a gigabyte while it is read.
     let images = rows
-        .par_iter()
+        .iter()
         .map(|row| {
             let path = folder.join(&row.file);
             if !(0.0..90.0).contains(&row.theta_deg) || !row.phi_deg.is_finite() {
@@ -79,9 +83,15 @@ pub fn table_from_photos(
             Ok(LightImage::new(angle, turn, &light, size, half_mm))
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let table = ImageTable::new(images, false);
-    if !table.is_sound() {
+    let table = ImageTable::new(images, with_linear, None);
+    if table.repeats() {
         return Err(unfit(list, "lists the same angles twice".to_owned()));
+    }
+    if !table.is_sound() {
+        return Err(unfit(
+            list,
+            "gives values that are no light; check --white".to_owned(),
+        ));
     }
     Ok(table)
 }
@@ -92,11 +102,25 @@ fn linear(path: &Path) -> Result<(Vec<[f32; 3]>, [u32; 2]), TableError> {
         path: path.to_owned(),
         why,
     };
-    let photo = image::ImageReader::open(path)
+    let mut reader = image::ImageReader::open(path)
         .and_then(|reader| reader.with_guessed_format())
-        .map_err(|error| unfit(error.to_string()))?
+        .map_err(|error| unfit(error.to_string()))?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MOST_PHOTO_SIDE);
+    limits.max_image_height = Some(MOST_PHOTO_SIDE);
+    limits.max_alloc = Some(MOST_PHOTO_BYTES / 4);
+    reader.limits(limits);
+    let photo = reader
         .decode()
         .map_err(|error| unfit(format!("{error}; give PNG or JPEG")))?;
+    let bytes = u64::from(photo.width()) * u64::from(photo.height()) * 12;
+    if bytes > MOST_PHOTO_BYTES {
+        return Err(unfit(format!(
+            "{} x {} pixels are too many; reduce it to 9000 x 9000 at most",
+            photo.width(),
+            photo.height()
+        )));
+    }
     let mut encoded = photo.into_rgb32f();
     // IEC 61966-2-1: sums of light are sums of linear values.
     for value in encoded.iter_mut() {
@@ -108,9 +132,15 @@ fn linear(path: &Path) -> Result<(Vec<[f32; 3]>, [u32; 2]), TableError> {
     }
     let (width, height) = encoded.dimensions();
     let mut light = DynamicImage::from(encoded);
-    if width > MOST_WIDTH {
-        let rows = (u64::from(height) * u64::from(MOST_WIDTH) / u64::from(width)).max(1) as u32;
-        light = light.resize_exact(MOST_WIDTH, rows, image::imageops::FilterType::Triangle);
+    let longer = width.max(height);
+    if longer > MOST_PIXELS {
+        let reduced =
+            |side: u32| (u64::from(side) * u64::from(MOST_PIXELS) / u64::from(longer)).max(1) as u32;
+        light = light.resize_exact(
+            reduced(width),
+            reduced(height),
+            image::imageops::FilterType::Triangle,
+        );
     }
     let light = light.into_rgb32f();
     let size = [light.width(), light.height()];

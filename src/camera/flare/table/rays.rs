@@ -51,6 +51,12 @@ impl FlareTable {
         self.ghosts.is_empty()
     }
 
+    /// Largest angle, radians.
+    pub fn most_angle(&self) -> f64 {
+        let last = self.ghosts.iter().filter_map(|ghost| ghost.steps.last());
+        last.map(|step| step.angle).fold(0.0, f64::max)
+    }
+
     /// Number of angles, all ghosts together.
     pub fn steps(&self) -> usize {
         self.ghosts.iter().map(|ghost| ghost.steps.len()).sum()
@@ -66,14 +72,19 @@ impl FlareTable {
 
     /// Whether all sizes and numbers are sound (a file may be damaged).
     pub(super) fn is_sound(&self) -> bool {
-        self.ghosts.iter().all(|ghost| {
-            let ordered = ghost.steps.windows(2).all(|pair| pair[0].angle < pair[1].angle);
-            let lights = ghost.steps.iter().flat_map(|step| &step.light);
-            !ghost.steps.is_empty()
-                && ordered
-                && ghost.steps.iter().all(|step| step.angle.is_finite())
-                && lights.into_iter().all(|light| light.is_sound())
-        })
+        let is_number = self.f_number.is_finite() && self.f_number > 0.0;
+        is_number
+            && self.ghosts.iter().all(|ghost| {
+                let ordered = ghost.steps.windows(2).all(|pair| pair[0].angle < pair[1].angle);
+                let lights = ghost.steps.iter().flat_map(|step| &step.light);
+                !ghost.steps.is_empty()
+                    && ordered
+                    && ghost
+                        .steps
+                        .iter()
+                        .all(|step| step.angle.is_finite() && step.departure.is_finite())
+                    && lights.into_iter().all(|light| light.is_sound())
+            })
     }
 }
 
