@@ -164,7 +164,7 @@ impl Sheet {
     fn read_error(&self, error: &gdal::errors::GdalError) -> SourceError {
         SourceError::Read {
             path: self.files[0].path.clone(),
-            why: gdal_says(&error),
+            why: gdal_says(error),
         }
     }
 
