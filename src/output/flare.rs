@@ -177,7 +177,7 @@ impl<'a> FlareRenderer<'a> {
 }
 
 /// Half the film that a picture shows, millimetres.
-fn film_half_mm(lens: &Lens, size: [u32; 2]) -> [f64; 2] {
+pub fn film_half_mm(lens: &Lens, size: [u32; 2]) -> [f64; 2] {
     let half_width = 0.5 * lens.film_mm[0];
     [half_width, half_width * f64::from(size[1]) / f64::from(size[0])]
 }
@@ -185,6 +185,33 @@ fn film_half_mm(lens: &Lens, size: [u32; 2]) -> [f64; 2] {
 fn triangle_area(corners: &[&FlareVertex]) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(corners[k].sensor_mm).as_dvec2());
     0.5 * (b - a).perp_dot(c - a).abs()
+}
+
+/// Area of triangles on a film that spans `half_mm` to each side, overlaps counted, square millimetres: the raster work.
+pub fn area_on_film(vertices: &[FlareVertex], half_mm: [f64; 2]) -> f64 {
+    use geo::{Area, BooleanOps, BoundingRect, Rect, Triangle, coord};
+    let [x, y] = half_mm;
+    let film = Rect::new(coord! { x: -x, y: -y }, coord! { x: x, y: y });
+    vertices
+        .chunks_exact(3)
+        .map(|corners| {
+            let at = |k: usize| {
+                let [x, y] = corners[k].sensor_mm.map(f64::from);
+                coord! { x: x, y: y }
+            };
+            let triangle = Triangle::new(at(0), at(1), at(2));
+            let bounds = triangle.bounding_rect();
+            let is_apart =
+                bounds.min().x > x || bounds.max().x < -x || bounds.min().y > y || bounds.max().y < -y;
+            if is_apart {
+                return 0.0;
+            }
+            triangle
+                .to_polygon()
+                .intersection(&film.to_polygon())
+                .unsigned_area()
+        })
+        .sum()
 }
 
 /// Factor that brings all but the brightest 0.5 % of the lit pixels below the display's white.
