@@ -199,7 +199,7 @@ fn singlet(ending: &str, text: &str) -> Result<f64, String> {
     Ok(Paraxial::new(&lens, D_LINE_UM, None).efl_mm)
 }
 
-/// Focal lengths by rayoptics 0.9.8 with opticalglass 1.1.1. A Zemax file states 1.5 and 40 for a glass that it leaves to its
+/// Focal lengths by rayoptics 0.9.8 with opticalglass 1.1.1, those in F2 by the thick lens equation. A Zemax file states 1.5 and 40 for a glass that it leaves to its
 /// catalogue; CODE V changes surfaces after their rows.
 #[test]
 fn glasses_and_edits_as_the_formats_have_them() {

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::CommandError;
 use super::render::{light, size};
+use super::statistics::median;
 use crate::city::City;
 use crate::output::{PictureRequest, Renderer};
 use crate::relief::{CpuMap, ReliefMode};
@@ -152,12 +153,6 @@ fn print_table(report: &Value) {
             number("reads_per_ray")
         );
     }
-}
-
-pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 fn reads_per_ray(map: &CpuMap<'_>, view: &View, size: [u32; 2]) -> f64 {

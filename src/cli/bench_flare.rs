@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::CommandError;
-use super::bench::median;
+use super::statistics::median;
 use crate::camera::flare::{
     Aperture, Blend, Fit, FlareMode, FlareRecipe, FlareSource, FlareTable, Pattern, flare_mesh,
 };
@@ -40,7 +40,7 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         let lens = lens?;
         let ghosts = single_crossing_ghosts(&lens).len();
         let start = std::time::Instant::now();
-        let most_angle = super::lens_flare::most_angle(&lens);
+        let most_angle = super::lens_flags::most_angle(&lens);
         let table = FlareTable::bake(&lens, F_NUMBER, most_angle).map_err(RenderError::from)?;
         let bake_ms = start.elapsed().as_secs_f64() * 1e3;
         let recipe = |mode, whole_entrance| FlareRecipe {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::CommandError;
-use super::lens_flare::{aperture, most_angle};
+use super::lens_flags::{aperture, most_angle};
 use crate::camera::flare::{
     Blend, Fit, FlareMode, FlareRecipe, FlareSource, FlareTable, Pattern, TableFile, table_from_photos,
     write_table,

@@ -1,10 +1,11 @@
-//! How lenses' flags are written: surface numbers from 1, millimetres, f-numbers.
+//! How lenses' flags are written: surface numbers from 1, millimetres, f-numbers; and what follows from them.
 
 use glam::DVec2;
 
 use super::CommandError;
-use crate::camera::Ghost;
-use crate::camera::lens::Lens;
+use crate::camera::flare::Aperture;
+use crate::camera::lens::{D_LINE_UM, Lens};
+use crate::camera::{Ghost, Paraxial};
 
 /// An f-number.
 pub fn f_number(text: &str) -> Result<f64, String> {
@@ -45,4 +46,19 @@ pub fn ghost_of(lens: &Lens, [first, second]: [usize; 2]) -> Result<Ghost, Comma
         first: first - 1,
         second: second - 1,
     })
+}
+
+/// An iris with blades.
+pub fn aperture(blades: u32) -> Aperture {
+    Aperture {
+        blades,
+        ..Aperture::default()
+    }
+}
+
+/// Angle of the film's corner and a third more, radians.
+pub fn most_angle(lens: &Lens) -> f64 {
+    let half_diagonal = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
+    let corner = half_diagonal.atan2(Paraxial::new(lens, D_LINE_UM, None).efl_mm.abs());
+    (1.35 * corner).clamp(0.37, 1.2)
 }

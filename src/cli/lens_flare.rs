@@ -7,12 +7,10 @@ use glam::DVec2;
 
 use super::CommandError;
 use super::flare_flags::FlareFlags;
-use super::lens_flags::ghost_of;
-use crate::camera::flare::{
-    Aperture, FlareMode, FlareRecipe, FlareSource, Pattern, Quality, TableFile, Tracing,
-};
-use crate::camera::lens::{D_LINE_UM, Lens, open};
-use crate::camera::{Paraxial, single_crossing_ghosts};
+use super::lens_flags::{aperture, ghost_of};
+use crate::camera::flare::{FlareMode, FlareRecipe, FlareSource, Pattern, Quality, TableFile, Tracing};
+use crate::camera::lens::open;
+use crate::camera::single_crossing_ghosts;
 use crate::gpu::Gpu;
 use crate::output::{FlareRenderer, RenderError, auto_exposure, developed, write_png, write_radiance};
 
@@ -62,13 +60,6 @@ pub struct FlareArgs {
     /// Linear radiance for a sun of irradiance 1 (f32 TIFF).
     #[arg(long)]
     linear: Option<PathBuf>,
-}
-
-/// Angle of the film's corner and a third more, radians.
-pub fn most_angle(lens: &Lens) -> f64 {
-    let half_diagonal = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
-    let corner = half_diagonal.atan2(Paraxial::new(lens, D_LINE_UM, None).efl_mm.abs());
-    (1.35 * corner).clamp(0.37, 1.2)
 }
 
 /// Draws and writes.
@@ -157,12 +148,4 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         picture.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.2}"))
     );
     Ok(())
-}
-
-/// An iris with blades.
-pub fn aperture(blades: u32) -> Aperture {
-    Aperture {
-        blades,
-        ..Aperture::default()
-    }
 }

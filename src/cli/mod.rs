@@ -23,6 +23,7 @@ mod lens_flare;
 mod lens_trace;
 mod render;
 mod sample;
+mod statistics;
 
 use std::process::ExitCode;
 

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use serde::Deserialize;
 
-use super::glass::{Dispersion, Glass};
+use super::glass::{D_LINE_UM, Dispersion, Glass};
 
 /// A glass of a maker.
 #[derive(Clone, Debug)]
@@ -108,6 +108,22 @@ pub fn find(name: &str, catalogues: &[&str], n_d: Option<f64>) -> Option<Glass> 
     })
 }
 
+/// A named glass. Of stated index: where a catalogue knows it, its dispersion through the stated n_d, else by index and
+/// dispersion alone. Without: the catalogue's.
+///
+/// # Errors
+/// A sentence, for a name in no catalogue without an index.
+pub fn named(name: &str, n_d: Option<f64>, v_d: f64) -> Result<Glass, String> {
+    match (find(name, &[], n_d), n_d) {
+        (Some(glass), Some(n_d)) if (glass.index(D_LINE_UM) - n_d).abs() < 1e-3 => Ok(glass.with_index(n_d)),
+        (_, Some(n_d)) => Ok(Glass::model(n_d, v_d)),
+        (Some(glass), None) => Ok(glass),
+        (None, None) => Err(format!(
+            "the glass {name} is in no catalogue here; write its n_d and V_d beside it"
+        )),
+    }
+}
+
 /// Whether a glass is of one of some makers.
 pub fn is_of(glass: &Glass, catalogues: &[&str]) -> bool {
     let is_it = |entry: &Entry| glass.name() == Some(&entry.name) && glass.is_by(&entry.dispersion);
@@ -151,8 +167,7 @@ pub fn is_placeholder(n_d: f64, v_d: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::D_LINE_UM;
-    use super::{TABLE, find, glasses};
+    use super::{D_LINE_UM, TABLE, find, glasses};
 
     #[test]
     fn coefficients_give_the_published_index() {

@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use super::catalogue::{find, from_code, has_catalogue};
-use super::csv::{plane_or, stem};
-use super::table::full_frame;
+use super::csv::stem;
+use super::prescription::{full_frame, plane_or};
 use super::{Glass, Lens, LensError, Surface};
 
 /// Statements that give a surface a shape or place this reader does not know.

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::table::full_frame;
+use super::catalogue::named;
+use super::prescription::{full_frame, plane_or};
 use super::{Coating, Glass, Lens, LensError, Surface};
 
 #[derive(Debug, Deserialize)]
@@ -100,7 +101,7 @@ fn surface_of(row: &Row) -> Result<Surface, String> {
         radius_mm: plane_or(row.radius_mm),
         thickness_mm: row.thickness_mm,
         glass: match name {
-            Some(name) => Glass::named(name, row.n_d, v_d)?,
+            Some(name) => named(name, row.n_d, v_d)?,
             None => Glass::model(row.n_d.unwrap_or(1.0), v_d),
         },
         semi_diameter_mm: row.semi_diameter_mm.filter(|&radius| radius > 0.0),
@@ -108,11 +109,6 @@ fn surface_of(row: &Row) -> Result<Surface, String> {
         aspheric,
         coating,
     })
-}
-
-/// A radius, with infinity for a plane too.
-pub fn plane_or(radius: f64) -> f64 {
-    if radius.is_infinite() { 0.0 } else { radius }
 }
 
 /// A file's name without its ending.

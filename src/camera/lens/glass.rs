@@ -1,7 +1,5 @@
 //! Refractive index by wavelength.
 
-use super::catalogue;
-
 /// The helium d line, micrometres: the wavelength of n_d.
 pub const D_LINE_UM: f64 = 0.587_561_8;
 /// The hydrogen F line, micrometres.
@@ -72,26 +70,8 @@ impl Dispersion {
 }
 
 impl Glass {
-    /// A named glass. Of stated index: where a catalogue knows it, its dispersion through the stated n_d, else by index and
-    /// dispersion alone. Without: the catalogue's.
-    ///
-    /// # Errors
-    /// A sentence, for a name in no catalogue without an index.
-    pub fn named(name: &str, n_d: Option<f64>, v_d: f64) -> Result<Self, String> {
-        let found = catalogue::find(name, &[], n_d);
-        match (found, n_d) {
-            (Some(glass), Some(n_d)) if (glass.index(D_LINE_UM) - n_d).abs() < 1e-3 => {
-                Ok(glass.with_index(n_d))
-            }
-            (_, Some(n_d)) => Ok(Self::model(n_d, v_d)),
-            (Some(glass), None) => Ok(glass),
-            (None, None) => Err(format!(
-                "the glass {name} is in no catalogue here; write its n_d and V_d beside it"
-            )),
-        }
-    }
-
-    fn with_index(self, n_d: f64) -> Self {
+    /// The same dispersion through another index at the d line: a melt's.
+    pub fn with_index(self, n_d: f64) -> Self {
         let offset = n_d - self.index(D_LINE_UM);
         match self {
             Self::Catalogue { name, dispersion, .. } => Self::Catalogue {

@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use super::csv::{plane_or, stem};
-use super::table::full_frame;
+use super::csv::stem;
+use super::prescription::{full_frame, plane_or};
 use super::{Glass, Lens, LensError, Surface};
 
 /// Reads the text of such a file; `path` is named in errors.

@@ -142,3 +142,13 @@ impl Lens {
         self.surfaces[surface].semi_diameter_mm.unwrap_or(f64::INFINITY)
     }
 }
+
+/// Film of a full-frame camera, millimetres.
+pub fn full_frame() -> [f64; 2] {
+    [36.0, 24.0]
+}
+
+/// A radius, with infinity for a plane too.
+pub fn plane_or(radius: f64) -> f64 {
+    if radius.is_infinite() { 0.0 } else { radius }
+}

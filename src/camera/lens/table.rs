@@ -17,7 +17,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::csv::plane_or;
+use super::catalogue::named;
+use super::prescription::{full_frame, plane_or};
 use super::{Coating, Glass, Layer, Lens, LensError, Surface};
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -66,11 +67,6 @@ enum CoatingRow {
 struct LayerRow {
     index: f64,
     thickness_nm: f64,
-}
-
-/// Film of a full-frame camera, millimetres.
-pub fn full_frame() -> [f64; 2] {
-    [36.0, 24.0]
 }
 
 fn is_false(value: &bool) -> bool {
@@ -123,7 +119,7 @@ fn surface_of(row: Row) -> Result<Surface, String> {
         radius_mm: plane_or(row.radius),
         thickness_mm: row.thickness,
         glass: match &row.glass {
-            Some(name) => Glass::named(name, row.n_d, v_d)?,
+            Some(name) => named(name, row.n_d, v_d)?,
             None => Glass::model(row.n_d.unwrap_or(1.0), v_d),
         },
         semi_diameter_mm: row.semi_diameter,

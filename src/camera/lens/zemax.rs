@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::catalogue::{find, from_code, is_of, is_placeholder};
 use super::csv::stem;
-use super::table::full_frame;
+use super::prescription::full_frame;
 use super::{Glass, Lens, LensError, Surface};
 
 /// Reads the text of such a file; `path` is named in errors.
