@@ -175,9 +175,9 @@ fn each_mode_comes_near_dense_exact_rays() {
     let gpu = Gpu::open().unwrap();
     for (name, angle, f_number, mode, least) in [
         ("heliar", 5.0, 22.0, FlareMode::Paraxial, 33.0),
-        ("heliar", 5.0, 22.0, FlareMode::Blended, 38.0),
-        ("tessar", 12.0, 8.0, FlareMode::Blended, 38.0),
-        ("angenieux", 5.0, 8.0, FlareMode::Blended, 38.0),
+        ("heliar", 5.0, 22.0, FlareMode::Blended, 44.0),
+        ("tessar", 12.0, 8.0, FlareMode::Blended, 44.0),
+        ("angenieux", 5.0, 8.0, FlareMode::Blended, 44.0),
     ] {
         let dense = draw(&gpu, name, &source(angle, f_number, 100), FlareMode::Exact, None);
         let tested = draw(&gpu, name, &source(angle, f_number, 24), mode, None);
@@ -317,7 +317,8 @@ fn blends_pass_from_linear_to_nonlinear() {
                 .filter(|(alone, over)| (over[1] / alone[1] - 1.0).abs() > 0.1)
                 .count();
             let lit = alone.radiance.iter().filter(|rgb| rgb[1] > 0.0).count();
-            assert!(off * 5 <= lit, "{ghost:?}: {off} of {lit}");
+            println!("{ghost:?}: {off} of {lit} pixels off");
+            assert!(off * 8 <= lit, "{ghost:?}: {off} of {lit}");
         } else if departure > 0.002 {
             between += 1;
         }
@@ -365,7 +366,8 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
         let middle = first / light;
         (light, (second / light - middle.length_squared()).sqrt())
     };
-    let paraxial = Paraxial::new(&lens, 0.51, None);
+    let gap = Paraxial::new(&lens, D_LINE_UM, None).sensor_gap_mm();
+    let paraxial = Paraxial::new(&lens, 0.51, Some(gap));
     let mut fitted_ghosts = 0;
     for ghost in rilievo::camera::single_crossing_ghosts(&lens) {
         let both = Fit {
@@ -386,7 +388,24 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
                 fitted_off < 0.06,
                 "{ghost:?}: {spread} mm, ideal {ideal} mm, before {plain_spread} mm"
             );
-            assert!(light > 0.0 && (light / plain_light - 1.0).abs() < 0.7);
+            // What the pupil lets in, less what the ray through its middle loses: irradiance 1 on its area, times 4 N² / π.
+            let pupil_middle = -matrices.ma.y_axis.x / matrices.ma.x_axis.x * lit.angle.tan();
+            let tracer = Tracer::new(&lens, 0.51, gap);
+            let middle = tracer.trace(
+                Some(ghost),
+                DVec2::new(pupil_middle, 0.0),
+                beam_direction(lit.angle),
+            );
+            let expected = middle.unwrap().power * 4.0 * (8.0 * pupil_mm).powi(2);
+            println!(
+                "{ghost:?}: light {:.3} of its linear image's, before {:.3}",
+                light / expected,
+                plain_light / expected
+            );
+            assert!(
+                (light / expected - 1.0).abs() < 0.12,
+                "{ghost:?}: {light} of {expected}"
+            );
             fitted_ghosts += usize::from(off > fitted_off);
         }
     }
@@ -419,7 +438,8 @@ fn tables_of_images_play_what_was_recorded() {
     let linear = drawn(angle, turn, Pattern::Linear).0;
     let played = renderer.picture(&linear, Some(&table), SIZE).unwrap();
     let near = nearness(&whole, &played);
-    assert!(near > 30.0, "{near} dB");
+    println!("images: {near:.2} dB");
+    assert!(near > 44.0, "{near} dB");
 
     // The same through photos: sRGB files and a list.
     let folder = tempfile::tempdir().unwrap();

@@ -24,9 +24,6 @@ pub fn quad(
     source: &FlareSource,
     ghost: Ghost,
 ) -> Vec<FlareVertex> {
-    if linear.is_shut() {
-        return Vec::new();
-    }
     let corners = if source.whole_entrance {
         [DVec2::ZERO, DVec2::splat(linear.barrel_mm)]
     } else {
@@ -59,9 +56,6 @@ pub fn two_rays(
     source: &FlareSource,
     ghost: Ghost,
 ) -> Vec<FlareVertex> {
-    if linear.is_shut() {
-        return Vec::new();
-    }
     let Some(losses) = Losses::of(tracer, linear, source, ghost) else {
         return Vec::new();
     };
@@ -95,8 +89,12 @@ pub struct Losses {
 
 impl Losses {
     /// At the true angles of the ray through the middle (of an axial one where that ray does not arrive), changing by rays to
-    /// either side that the iris still lets through. None when neither arrives.
+    /// either side that the iris still lets through. None when neither arrives, or
+    /// nothing of the pupil lies within the barrel.
     pub fn of(tracer: &Tracer<'_>, linear: &LinearGhost, source: &FlareSource, ghost: Ghost) -> Option<Self> {
+        if linear.is_shut() {
+            return None;
+        }
         let middle = tracer.trace(Some(ghost), linear.middle, beam_direction(source.angle));
         let axial = || tracer.trace(Some(ghost), DVec2::ZERO, beam_direction(0.0));
         let power = middle.or_else(axial)?.power;
