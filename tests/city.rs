@@ -192,15 +192,18 @@ fn the_pyramid_bounds_every_texel_and_words_name_real_buildings() {
         let Some(map) = city.buildings(tile).unwrap() else {
             continue;
         };
-        let pyramid = Pyramid::of(&map);
+        let pyramid = Pyramid::of(&map, map.lowest_base());
+        let coarsest = (pyramid.top() - map.lowest_base()) / 254.0 + 1e-3;
         for (cell, &word) in map.cells.iter().enumerate() {
             if CellKind::of(word) == CellKind::Empty {
                 continue;
             }
             let (column, row) = ((cell % map.side) as i32, (cell / map.side) as i32);
-            for level in 1..=map.side.ilog2() {
-                let bound = pyramid.highest(level, column >> level, row >> level, map.side);
-                assert!(bound >= map.highest_roof(cell));
+            for level in 0..=Pyramid::top_level(map.side) {
+                let (column, row) = (column as usize >> (2 * level), row as usize >> (2 * level));
+                let bound = pyramid.bound(level, column, row);
+                assert!(bound >= map.highest_roof(cell) - 1e-3);
+                assert!(level > 0 || bound <= map.highest_roof(cell) + coarsest);
             }
         }
         buildings.extend(map.roofs.iter().map(|roof| roof.fid));

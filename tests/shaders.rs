@@ -4,11 +4,10 @@
 use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use rilievo::buildings::{OutlineVertex, RoofRecord};
 use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, InterfaceRecord, RayRecord};
 use rilievo::relief::FrameUniforms;
-use rilievo::scene::{GroundTile, TileSlot};
+use rilievo::scene::{Corner, GroundTile, TileSlot};
 
 fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
@@ -84,7 +83,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "sample" = sample,
             "pixel_angle" = pixel_angle,
             "photo_side" = photo_side,
-            "padding" = padding,
+            "pyramid_width" = pyramid_width,
             "more_padding" = more_padding,
         ]
     );
@@ -92,29 +91,16 @@ fn records_are_laid_out_alike_on_both_sides() {
         "TileSlot",
         TileSlot,
         [
-            "tile" = tile,
-            "vertex_base" = vertex_base,
+            "corner_base" = corner_base,
             "piece_base" = piece_base,
-            "roof_base" = roof_base,
-            "padding" = padding,
             "low" = low,
             "high" = high,
         ]
     );
     same_layout!(
-        "OutlineVertex",
-        OutlineVertex,
-        ["position" = x_m, "along_m" = along_m, "building" = building,]
-    );
-    same_layout!(
-        "RoofRecord",
-        RoofRecord,
-        [
-            "roof_m" = roof_m,
-            "base_m" = base_m,
-            "fid" = fid,
-            "padding" = padding,
-        ]
+        "Corner",
+        Corner,
+        ["position" = position, "roof_m" = roof_m, "fid" = fid,]
     );
     same_layout!(
         "GroundTile",

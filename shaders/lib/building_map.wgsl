@@ -1,45 +1,66 @@
 // The building map of all resident tiles. Twin: src/buildings/map.rs, which explains the words.
 
+// A record is read as one vector of 16 bytes: a software device reads each member of a structure on its own.
 struct TileSlot {
-    // Column and row in the grid.
-    tile: vec2<i32>,
-    // Where the tile's records begin in the shared buffers.
-    vertex_base: u32,
+    // The tile's first outline corner in `corners`; its roofs stand before it, the first the nearest.
+    corner_base: u32,
+    // The tile's first word in `pieces`.
     piece_base: u32,
-    roof_base: u32,
-    padding: u32,
-    // Lowest ground and highest roof, metres above the vertical datum: the volume that overflow faces span.
+    // Lowest ground and highest roof, metres above the vertical datum.
     low: f32,
     high: f32,
 }
 
-struct OutlineVertex {
+struct Corner {
+    // Metres from the tile's south-west corner; 0 in the record of a roof.
     position: vec2<f32>,
-    along_m: f32,
-    building: u32,
-}
-
-struct RoofRecord {
+    // Elevation of the building's roof, its id.
     roof_m: f32,
-    base_m: f32,
     fid: u32,
-    padding: u32,
 }
 
 // Per grid tile: slot of its building map, layer of its photo; -1 = none.
 @group(1) @binding(0) var tile_table: texture_2d<i32>;
-@group(1) @binding(1) var<storage, read> slots: array<TileSlot>;
+@group(1) @binding(1) var<storage, read> slots: array<vec4<u32>>;
 @group(1) @binding(2) var cells: texture_2d_array<u32>;
-// Level by level (0 = blocks of 2 x 2 texels): the highest roofs of a block's four quarters, rows from the south, metres
-// above the tile's `low`.
-@group(1) @binding(3) var pyramid: texture_2d_array<f32>;
-@group(1) @binding(4) var<storage, read> vertices: array<OutlineVertex>;
+// Nodes of 4 x 4 children, a byte a child. Twin: src/buildings/pyramid.rs, which tells the layout.
+@group(1) @binding(3) var pyramid: texture_2d_array<u32>;
+// Edge e of an outline runs from corner e to e + 1.
+@group(1) @binding(4) var<storage, read> corners: array<vec4<u32>>;
 @group(1) @binding(5) var<storage, read> pieces: array<u32>;
-@group(1) @binding(6) var<storage, read> roofs: array<RoofRecord>;
+// Metres along its outline, for every corner.
+@group(1) @binding(6) var<storage, read> along_outline: array<f32>;
 
-// Highest roofs of the quarters of a block of 2^level texels, metres above the tile's `low`.
-fn highest_quarters(block: vec2<i32>, level: u32, slot_index: i32) -> vec4<f32> {
-    return textureLoad(pyramid, block, slot_index, i32(level) - 1);
+fn slot_at(index: i32) -> TileSlot {
+    let record = slots[index];
+    return TileSlot(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w));
+}
+
+fn corner_at(index: u32) -> Corner {
+    let record = corners[index];
+    return Corner(bitcast<vec2<f32>>(record.xy), bitcast<f32>(record.z), record.w);
+}
+
+// A roof's record in `corners`.
+fn roof_index(slot: TileSlot, building: u32) -> u32 { return slot.corner_base - 1u - building; }
+
+// Four rows of four bytes, from the south-west.
+fn node_at(node: vec2<i32>, level: u32, slot_index: i32) -> vec4<u32> {
+    let width = i32(frame.pyramid_width);
+    // width / 4 + width / 16 + .. of the levels between lie to the west.
+    let west = (width - (width >> (2u * max(level, 1u) - 2u))) / 3;
+    let corner = select(vec2<i32>(west, width), vec2<i32>(0), level == 0u);
+    return textureLoad(pyramid, corner + node, slot_index, 0);
+}
+
+// Bound on the roofs of a node's child, in metres above the tile's lowest ground: (byte - 1) of these steps.
+fn step_of(slot: TileSlot) -> f32 { return max((slot.high - slot.low) / 254.0, 0.0); }
+
+fn child_byte(rows: vec4<u32>, child: vec2<i32>) -> u32 {
+    let local = vec2<u32>(child) & vec2<u32>(3u);
+    let south = select(rows.x, rows.y, local.y == 1u);
+    let north = select(rows.z, rows.w, local.y == 3u);
+    return (select(south, north, local.y >= 2u) >> (8u * local.x)) & 255u;
 }
 
 const KIND_FULL: u32 = 1u;

@@ -34,7 +34,8 @@ struct Frame {
     // Angle of a pixel at the image's middle, radians.
     pixel_angle: f32,
     photo_side: f32,
-    padding: u32,
+    // Width of the pyramid's image, nodes.
+    pyramid_width: u32,
     more_padding: vec2<u32>,
 }
 

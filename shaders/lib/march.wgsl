@@ -1,6 +1,6 @@
 // The one traversal: view rays, shadow rays and picking. Twin: src/relief/march.rs.
 //
-// A ray walks the quadtree of highest roofs (`pyramid`): what it stays above of a block is skipped in one read
+// A ray walks the tree of highest roofs (`pyramid`): what it stays above of a block is skipped in one read
 // (maximum mipmaps: Tevs, Ihrke & Seidel 2008); at a texel the exact outline and roofs are met.
 
 struct Ray {
@@ -13,11 +13,11 @@ struct Ray {
 struct Hit {
     // Metres along the ray, FAR without a hit.
     t: f32,
-    // Index into `roofs`.
-    building: u32,
-    // Index into `vertices` of the wall's first vertex, ROOF for a roof.
+    // Id of the building.
+    fid: u32,
+    // Index into `corners` of the wall's first corner, ROOF for a roof.
     edge: u32,
-    // Metres along the wall from that vertex, 0 on a roof.
+    // Metres along the wall from that corner, 0 on a roof.
     along_m: f32,
 }
 
@@ -48,190 +48,183 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
     let list = slot.piece_base + index_of(word);
     var count = 1u;
     if is_list { count = pieces[list]; }
+    // The word of this turn, words read.
+    var w = word;
     var i = 0u;
+    // The record of this turn, edges left of the word's run, the corner before.
+    var index = 0u;
+    var edges_left = 0u;
+    var a = vec2<f32>(0.0);
+    // The outline that the word belongs to.
+    var continues = false;
+    var roof = 0.0;
+    var fid = 0u;
+    var t_roof = 0.0;
+    var meets_roof = false;
+    var inside = false;
+    var to_p = vec2<f32>(0.0);
+    // A turn reads one record: the first of a word, or the next corner of its run.
     loop {
-        var w = word;
-        if is_list { w = pieces[list + 1u + i]; }
-        i += 1u;
+        let begins = edges_left == 0u;
+        if begins && is_list { w = pieces[list + 1u + i]; }
         let is_run = kind_of(w) == KIND_RUN;
-        var run = slot.vertex_base + index_of(w);
-        var building = slot.roof_base;
-        if is_run { building += vertices[run].building; } else { building += index_of(w); }
-        let roof = roofs[building].roof_m - frame.eye_elevation;
-        let t_roof = (roof - ray.start.z) / ray.direction.z;
-        let meets_roof = ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best.t;
-        // A ray that stays above the roof can meet none of its walls.
-        let dips = ray.start.z + min(from_t * ray.direction.z, to_t * ray.direction.z) <= roof;
-        var inside = true;
-        if is_run && dips {
-            inside = is_inside(w);
-            let p = start + t_roof * ray.direction.xy;
-            let to_p = p - reference;
-            var a = vertices[run].position;
-            var edges_left = edges_of(w);
-            var left = true;
-            loop {
-                let b = vertices[run + 1u].position;
-                let along = b - a;
-                // The building is to the left of its outline: the wall faces right.
-                let facing = cross2(ray.direction.xy, along);
-                let t = cross2(a - start, along) / facing;
-                let u = dot(start + t * ray.direction.xy - a, along) / dot(along, along);
-                let low_enough = ray.start.z + t * ray.direction.z <= roof;
-                if facing < 0.0 && t >= from_t && t <= to_t && t < best.t && low_enough && u >= -1.0e-5 && u <= 1.00001 {
-                    best = Hit(t, building, run, u * length(along));
-                }
-                if meets_roof {
-                    let apart = (cross2(to_p, a - reference) >= 0.0) != (cross2(to_p, b - reference) >= 0.0);
-                    let between = (cross2(along, reference - a) >= 0.0) != (cross2(along, p - a) >= 0.0);
-                    inside = inside != (apart && between);
-                }
-                a = b;
-                run += 1u;
-                edges_left -= 1u;
-                if edges_left == 0u {
-                    // More edges of the same outline in the list's next word.
-                    left = has_more(w) && i < count;
-                    if left {
-                        w = pieces[list + 1u + i];
-                        i += 1u;
-                        run = slot.vertex_base + index_of(w);
-                        a = vertices[run].position;
-                        edges_left = edges_of(w);
-                    }
-                }
-                continuing { break if !left; }
+        let first = select(roof_index(slot, index_of(w)), slot.corner_base + index_of(w), is_run);
+        index = select(index + 1u, first, begins);
+        let corner = corner_at(index);
+        let b = corner.position;
+        if begins {
+            i += 1u;
+            if !continues {
+                roof = corner.roof_m - frame.eye_elevation;
+                fid = corner.fid;
+                t_roof = (roof - ray.start.z) / ray.direction.z;
+                meets_roof = ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best.t;
+                to_p = start + t_roof * ray.direction.xy - reference;
+                inside = !is_run || is_inside(w);
             }
+            // A ray that stays above the roof can meet none of its walls.
+            let dips = ray.start.z + min(from_t * ray.direction.z, to_t * ray.direction.z) <= roof;
+            edges_left = select(0u, edges_of(w), is_run && dips);
+            continues = edges_left > 0u && has_more(w);
+        } else {
+            let along = b - a;
+            // The building is to the left of its outline: the wall faces right.
+            let facing = cross2(ray.direction.xy, along);
+            let t = cross2(a - start, along) / facing;
+            let u = dot(start + t * ray.direction.xy - a, along) / dot(along, along);
+            let low_enough = ray.start.z + t * ray.direction.z <= roof;
+            if facing < 0.0 && t >= from_t && t <= to_t && t < best.t && low_enough && u >= -1.0e-5 && u <= 1.00001 {
+                best = Hit(t, fid, index - 1u, u * length(along));
+            }
+            // An edge between the point of the roof and the texel's reference, where it is known, changes sides.
+            let to_a = a - reference;
+            let to_b = b - reference;
+            let apart = (cross2(to_p, to_a) >= 0.0) != (cross2(to_p, to_b) >= 0.0);
+            let between = (cross2(to_a, along) >= 0.0) != (cross2(along, to_p - to_a) >= 0.0);
+            inside = inside != (apart && between);
+            edges_left -= 1u;
         }
-        if meets_roof && inside && t_roof < best.t { best = Hit(t_roof, building, ROOF, 0.0); }
-        continuing { break if i >= count; }
+        a = b;
+        // Past the outline's last edge in this texel; `continues`: the list's next word has more of it.
+        let past = edges_left == 0u && !(continues && i < count);
+        if past && meets_roof && inside && t_roof < best.t { best = Hit(t_roof, fid, ROOF, 0.0); }
+        continues = continues && !past;
+        continuing { break if past && i >= count; }
     }
     return best;
 }
 
-fn nearer(t: vec2<f32>, end: f32) -> f32 { return min(min(t.x, t.y), end); }
+// Twin: Pyramid::top_level.
+fn top_node_level() -> u32 { return frame.top_level / 2u; }
 
-// The value of one quarter: `upper` tells whether it is the upper one in x and in y.
-fn quarter_of(quarters: vec4<f32>, upper: vec2<bool>) -> f32 {
-    let row = select(quarters.xy, quarters.zw, upper.y);
-    return select(row.x, row.y, upper.x);
-}
+fn nearer(t: vec2<f32>, end: f32) -> f32 { return min(min(t.x, t.y), end); }
 
 // Where a ray is in one tile, and the texel to look into when there is one.
 struct Walk {
     slot_index: i32,
-    // The ray's start in the tile's local coordinates; lowest ground, metres above the ray's start.
+    // The ray's start in the tile's local coordinates; what byte 0 stands for, metres above the ray's start.
     start: vec2<f32>,
     floor_z: f32,
     // Metres along the ray: here, and at the end of the walk.
     t: f32,
     end: f32,
-    // The block of 2^level texels that the ray is in.
+    // The node that the ray is in; metres that a byte of it counts.
     level: u32,
-    block: vec2<i32>,
-    // The texel, where the ray comes into it and leaves it; found is false past the tile.
+    node: vec2<i32>,
+    step_m: f32,
+    // The texel that the ray is in and where it leaves it; found is false past the tile.
     found: bool,
     texel: vec2<i32>,
-    t_in: f32,
     t_past: f32,
 }
 
 // The beginning of the ray's way through a tile from t0 to t1.
-fn enter_tile(slot_index: i32, slot: TileSlot, ray: Ray, t0: f32, t1: f32) -> Walk {
-    let start = ray.start.xy - tile_corner(slot.tile);
-    let top = frame.top_level;
-    // Begin with blocks about half as large as the way to go: a short way need not come down from the tile's top.
+fn enter_tile(slot_index: i32, slot: TileSlot, corner: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> Walk {
+    let start = ray.start.xy - corner;
+    // Begin with nodes about as large as the way to go: a short way need not come down from the tile's top.
     let reach = length(ray.direction.xy) * (t1 - t0) / frame.texel_m;
-    let level = u32(clamp(ceil(log2(max(reach, 1.0))) - 1.0, 1.0, f32(top)));
-    let place = (start + t0 * ray.direction.xy) / (frame.texel_m * f32(1u << level));
-    let block = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << (top - level)) - 1));
-    let floor_z = slot.low - frame.eye_elevation - ray.start.z;
-    return Walk(slot_index, start, floor_z, t0, t1, level, block, false, vec2<i32>(0), t0, t0);
+    let level = u32(clamp(ceil(0.5 * log2(max(reach, 1.0))) - 1.0, 0.0, f32(top_node_level())));
+    let place = (start + t0 * ray.direction.xy) / frame.texel_m;
+    let texel = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << frame.top_level) - 1));
+    let step_m = step_of(slot);
+    let floor_z = slot.low - step_m - frame.eye_elevation - ray.start.z;
+    return Walk(slot_index, start, floor_z, t0, t1, level, texel >> vec2<u32>(2u * level + 2u), step_m, false, vec2<i32>(0), t0);
 }
 
-// On to the next texel that the ray dips into. One read tells the highest roofs of a block's four quarters; the ray meets
-// at most three of them, in order, and goes down into the first that it does not stay above.
+// On to the next texel that the ray dips into. One read tells the bounds of a node's 4 x 4 children; the ray meets at most
+// seven of them, in order, and goes down into the first that it does not stay above.
 fn next_texel(walk: ptr<function, Walk>, ray: Ray) {
     let forward = ray.direction.xy >= vec2<f32>(0.0);
     let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
     let falls = ray.direction.z < 0.0;
-    let top = frame.top_level;
     let start = (*walk).start;
     let t1 = (*walk).end;
+    let step_m = (*walk).step_m;
     var t = (*walk).t;
     var level = (*walk).level;
-    var block = (*walk).block;
-    var texel = vec2<i32>(0);
-    var t_in = t;
+    var node = (*walk).node;
+    var child = vec2<i32>(0);
     var t_past = t;
     var found = false;
     var steps = 0u;
     loop {
-        let size = frame.texel_m * f32(1u << level);
-        let t_border = ((vec2<f32>(block) + lead) * size - start) * ray.inverse;
-        let t_middle = ((vec2<f32>(block) + 0.5) * size - start) * ray.inverse;
-        let t_out = nearer(t_border, t1);
-        let highest = highest_quarters(block, level, (*walk).slot_index) + ((*walk).floor_z + slack(t));
-        // The three quarters on the way, each by the middle lines that lie behind the ray when it is in it.
-        let beyond_a = vec2<f32>(t) >= t_middle;
-        let t_a = nearer(select(t_middle, vec2<f32>(t_out), beyond_a), t_out);
-        let beyond_b = beyond_a | (vec2<f32>(t_a) >= t_middle);
-        let t_b = nearer(select(t_middle, vec2<f32>(t_out), beyond_b), t_out);
-        let beyond_c = beyond_b | (vec2<f32>(t_b) >= t_middle);
-        let lowest = select(vec3<f32>(t, t_a, t_b), vec3<f32>(t_a, t_b, t_out), falls) * ray.direction.z;
-        let dips_a = t_a > t && lowest.x <= quarter_of(highest, beyond_a == forward);
-        let dips_b = t_b > t_a && lowest.y <= quarter_of(highest, beyond_b == forward);
-        let dips_c = t_out > t_b && lowest.z <= quarter_of(highest, beyond_c == forward);
-        let dips = dips_a || dips_b || dips_c;
-        if dips {
-            let beyond = select(select(beyond_c, beyond_b, dips_b), beyond_a, dips_a);
-            texel = 2 * block + select(vec2<i32>(0), vec2<i32>(1), beyond == forward);
-            t_in = select(select(t_b, t_a, dips_b), t, dips_a);
-            t_past = select(select(t_out, t_b, dips_b), t_a, dips_a);
-            found = level == 1u;
+        let size = frame.texel_m * f32(1u << (2u * level));
+        let rows = node_at(node, level, (*walk).slot_index);
+        let floor_z = (*walk).floor_z + slack(t);
+        child = clamp(vec2<i32>(floor((start + t * ray.direction.xy) / size)), 4 * node, 4 * node + 3);
+        var t_border = ((vec2<f32>(child) + lead) * size - start) * ray.inverse;
+        let t_step = size * abs(ray.inverse);
+        var dips = false;
+        var left = false;
+        loop {
+            t_past = nearer(t_border, t1);
+            let lowest = select(t, t_past, falls) * ray.direction.z;
+            let byte = child_byte(rows, child);
+            dips = byte != 0u && t_past > t && lowest <= floor_z + f32(byte) * step_m;
+            if !dips {
+                t = max(t, t_past);
+                let along_x = t_border.x <= t_border.y;
+                child += select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), along_x);
+                t_border += select(vec2<f32>(0.0, t_step.y), vec2<f32>(t_step.x, 0.0), along_x);
+                left = any((child >> vec2<u32>(2u)) != node);
+            }
+            continuing { break if dips || left || t >= t1; }
         }
-        // Else over the nearer border, and up when that is the parent's border too.
-        let along_x = t_border.x <= t_border.y;
-        let next = block + select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), along_x);
-        let upper = select(next + 1, next, forward);
-        let moved = select(upper.y, upper.x, along_x);
-        let gone = !dips && (t_out >= t1 || t >= t1 || moved <= 0 || moved >= (1 << (top - level)));
-        let rises = level < top && (moved & 1) == 0;
+        found = dips && level == 0u;
+        let tiles_children = (1 << frame.top_level) >> (2u * level);
+        let gone = !dips && (t >= t1 || any(child < vec2<i32>(0)) || any(child >= vec2<i32>(tiles_children)));
+        // Down into the child; or over to the next node, and up when that has another parent.
+        let next = child >> vec2<u32>(2u);
+        let rises = level < top_node_level() && any((next >> vec2<u32>(2u)) != (node >> vec2<u32>(2u)));
         if !found {
-            t = select(max(t, t_out), t_in, dips);
-            block = select(select(next, next >> vec2<u32>(1u), rises), texel, dips);
-            level = select(select(level, level + 1u, rises), level - 1u, dips);
+            node = select(select(next, next >> vec2<u32>(2u), rises), child, dips);
+            level = select(select(level, level + 1u, rises), max(level, 1u) - 1u, dips);
         }
         steps += 1u;
         continuing { break if found || gone || steps >= MOST_STEPS; }
     }
     (*walk).t = t;
     (*walk).level = level;
-    (*walk).block = block;
+    (*walk).node = node;
     (*walk).found = found;
-    (*walk).texel = texel;
-    (*walk).t_in = t_in;
+    (*walk).texel = child;
     (*walk).t_past = t_past;
 }
 
 // First hit within one tile between t0 and t1. Stepping and visiting are loops of their own: lanes that have found a texel
 // wait for the others, so that the costly visit is made together (Aila & Laine 2009, "while-while"). All loops here test at
 // their end: a software device runs a body that it tests at the top once more than needed.
-fn walk_tile(slot_index: i32, ray: Ray, t0: f32, t1: f32) -> Hit {
-    let slot = slots[slot_index];
-    var walk = enter_tile(slot_index, slot, ray, t0, t1);
-    next_texel(&walk, ray);
+fn walk_tile(slot_index: i32, slot: TileSlot, tile: vec2<i32>, ray: Ray, t0: f32, t1: f32) -> Hit {
+    var walk = enter_tile(slot_index, slot, tile_corner(tile), ray, t0, t1);
     var hit = MISS;
     var visits = 0u;
     loop {
+        next_texel(&walk, ray);
         if walk.found {
             let word = textureLoad(cells, walk.texel, slot_index, 0).x;
-            if word != 0u { hit = visit_cell(word, walk.texel, slot, ray, walk.start, walk.t_in, walk.t_past); }
-            if hit.t >= FAR {
-                walk.t = walk.t_past;
-                next_texel(&walk, ray);
-            }
+            if word != 0u { hit = visit_cell(word, walk.texel, slot, ray, walk.start, walk.t, walk.t_past); }
+            walk.t = walk.t_past;
         }
         visits += 1u;
         continuing { break if hit.t < FAR || !walk.found || visits >= MOST_STEPS; }
@@ -263,10 +256,14 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
         let t_border = (tile_corner(tile) + lead * frame.tile_m - ray.start.xy) * ray.inverse;
         let t_out = nearer(t_border, end);
         if all((tile >= vec2<i32>(0))) && all((tile < frame.grid)) {
-            let slot = textureLoad(tile_table, tile, 0).x;
-            let lowest = ray.start.z + min(t * ray.direction.z, t_out * ray.direction.z);
-            if slot >= 0 && lowest <= slots[slot].high - frame.eye_elevation {
-                let met = walk_tile(slot, ray, t, t_out);
+            let slot_index = textureLoad(tile_table, tile, 0).x;
+            let slot = slot_at(max(slot_index, 0));
+            // Of the way through the tile only what lies below its highest roof.
+            let t_high = (slot.high - frame.eye_elevation - ray.start.z) / ray.direction.z;
+            let from_t = select(t, max(t, t_high - slack(t_high)), ray.direction.z < 0.0);
+            let to_t = select(t_out, min(t_out, t_high + slack(t_high)), ray.direction.z > 0.0);
+            if slot_index >= 0 && from_t <= to_t {
+                let met = walk_tile(slot_index, slot, tile, ray, from_t, to_t);
                 if met.t <= end { hit = met; }
             }
         }
@@ -282,12 +279,12 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
 // Outward unit normal of what was hit.
 fn hit_normal(hit: Hit) -> vec3<f32> {
     if hit.edge == ROOF { return vec3<f32>(0.0, 0.0, 1.0); }
-    let along = vertices[hit.edge + 1u].position - vertices[hit.edge].position;
+    let along = corner_at(hit.edge + 1u).position - corner_at(hit.edge).position;
     return normalize(vec3<f32>(along.y, -along.x, 0.0));
 }
 
 // Facade coordinate of what was hit: metres along the building's outline, 0 on a roof.
 fn facade_coordinate(hit: Hit) -> f32 {
     if hit.edge == ROOF { return 0.0; }
-    return vertices[hit.edge].along_m + hit.along_m;
+    return along_outline[hit.edge] + hit.along_m;
 }

@@ -22,8 +22,16 @@ fn highest_of(block: vec2<i32>, level: u32) -> f32 {
     if any(tile < vec2<i32>(0)) || any(tile >= frame.grid) { return NOTHING; }
     let slot = textureLoad(tile_table, tile, 0).x;
     if slot < 0 { return NOTHING; }
-    let quarters = highest_quarters(block - (tile << shift), level, slot);
-    return slots[slot].low + max(max(quarters.x, quarters.y), max(quarters.z, quarters.w));
+    let record = slot_at(slot);
+    // A block is a child of a node or, at odd levels, four of them.
+    let half = vec2<i32>(i32(level & 1u));
+    let first = (block - (tile << shift)) << vec2<u32>(half);
+    let rows = node_at(first >> vec2<u32>(2u), level >> 1u, slot);
+    let bytes = max(
+        max(child_byte(rows, first), child_byte(rows, first + half)),
+        max(child_byte(rows, first + half * vec2<i32>(1, 0)), child_byte(rows, first + half * vec2<i32>(0, 1))),
+    );
+    return record.low + (f32(bytes) - 1.0) * step_of(record);
 }
 
 // Earliest t at which the beam, t * (d +- spread), can reach the interval low..high.

@@ -137,6 +137,14 @@ impl BuildingMap {
             + size_of::<RoofRecord>() * self.roofs.len()
     }
 
+    /// Lowest ground under the tile's buildings, metres; infinity without buildings.
+    pub fn lowest_base(&self) -> f32 {
+        self.roofs
+            .iter()
+            .map(|roof| roof.base_m.min(roof.roof_m))
+            .fold(f32::INFINITY, f32::min)
+    }
+
     /// The words of a cell: itself, or its list.
     pub fn words(&self, word: u32) -> &[u32] {
         match CellKind::of(word) {

@@ -38,17 +38,21 @@ pub struct TextureArray {
 }
 
 impl TextureArray {
-    /// `layers` square layers of `side` texels with `levels` mip levels.
+    /// `layers` layers of `size` texels with `levels` mip levels.
     pub fn new(
         gpu: &Gpu,
         label: &'static str,
         format: wgpu::TextureFormat,
-        side: u32,
+        [width, height]: [u32; 2],
         levels: u32,
         layers: u32,
     ) -> Result<Self, GpuError> {
         let limits = gpu.device.limits();
-        gpu.require(label, u64::from(side), u64::from(limits.max_texture_dimension_2d))?;
+        gpu.require(
+            label,
+            u64::from(width.max(height)),
+            u64::from(limits.max_texture_dimension_2d),
+        )?;
         gpu.require(
             label,
             u64::from(layers),
@@ -57,8 +61,8 @@ impl TextureArray {
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d {
-                width: side,
-                height: side,
+                width,
+                height,
                 depth_or_array_layers: layers.max(1),
             },
             mip_level_count: levels,
@@ -77,7 +81,8 @@ impl TextureArray {
 
     /// Writes one mip level of one layer.
     pub fn write<T: bytemuck::NoUninit>(&self, gpu: &Gpu, layer: u32, level: u32, texels: &[T]) {
-        let side = (self.texture.width() >> level).max(1);
+        let width = (self.texture.width() >> level).max(1);
+        let height = (self.texture.height() >> level).max(1);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture: &self.texture,
@@ -88,12 +93,12 @@ impl TextureArray {
             bytemuck::cast_slice(texels),
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(size_of_val(texels) as u32 / side),
-                rows_per_image: Some(side),
+                bytes_per_row: Some(size_of_val(texels) as u32 / height),
+                rows_per_image: Some(height),
             },
             wgpu::Extent3d {
-                width: side,
-                height: side,
+                width,
+                height,
                 depth_or_array_layers: 1,
             },
         );

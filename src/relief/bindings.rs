@@ -91,7 +91,7 @@ impl MapBindings {
                 texture(wgpu::TextureSampleType::Sint, false),
                 RECORDS,
                 texture(wgpu::TextureSampleType::Uint, true),
-                texture(FLOAT, true),
+                texture(wgpu::TextureSampleType::Uint, true),
                 RECORDS,
                 RECORDS,
                 RECORDS,
@@ -106,9 +106,9 @@ impl MapBindings {
                 resident.slot_buffer.as_entire_binding(),
                 TextureView(&resident.cells.view),
                 TextureView(&resident.pyramid.view),
-                resident.vertices.as_entire_binding(),
+                resident.corners.as_entire_binding(),
                 resident.pieces.as_entire_binding(),
-                resident.roofs.as_entire_binding(),
+                resident.along_outline.as_entire_binding(),
             ],
         );
         Self { layout, group }

@@ -38,7 +38,7 @@ impl<'a> CpuMap<'a> {
         let index = (id.y * grid.columns + id.x) as usize;
         let load = || -> Result<Option<MapTile>, CityError> {
             Ok(self.city.buildings(id)?.map(|map| MapTile {
-                pyramid: Pyramid::of(&map),
+                pyramid: Pyramid::of(&map, map.lowest_base()),
                 map,
             }))
         };

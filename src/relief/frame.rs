@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec4};
 
+use crate::buildings::Pyramid;
 use crate::scene::Resident;
 use crate::space::{Projection, View};
 
@@ -39,7 +40,7 @@ pub struct FrameUniforms {
     pub sample: u32,
     pub pixel_angle: f32,
     pub photo_side: f32,
-    pub padding: u32,
+    pub pyramid_width: u32,
     pub more_padding: [u32; 2],
 }
 
@@ -81,7 +82,7 @@ impl FrameUniforms {
             sample,
             pixel_angle: (2.0 * tan / height) as f32,
             photo_side: resident.photo_side as f32,
-            padding: 0,
+            pyramid_width: Pyramid::image_size(resident.tile_texels as usize)[0] as u32,
             more_padding: [0; 2],
         }
     }

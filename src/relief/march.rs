@@ -186,68 +186,64 @@ pub fn walk_tile(
     let start = ray.start.xy() - corner;
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
-    let top = map.side.ilog2();
-    // Begin with blocks about half as large as the way to go: a short way need not come down from the tile's top.
+    // Begin with nodes about as large as the way to go: a short way need not come down from the tile's top.
     let reach = ray.direction.xy().length() * (t1 - t0) / map.texel_m;
-    let mut level = (reach.max(1.0).log2().ceil() - 1.0).clamp(1.0, top as f32) as u32;
-    let place = (start + t0 * ray.direction.xy()) / (map.texel_m * (1_u32 << level) as f32);
-    let most = IVec2::splat((1 << (top - level)) - 1);
-    let mut block = place.floor().as_ivec2().clamp(IVec2::ZERO, most);
+    let top = Pyramid::top_level(map.side);
+    let mut level = ((0.5 * reach.max(1.0).log2()).ceil() - 1.0).clamp(0.0, top as f32) as u32;
+    let place = (start + t0 * ray.direction.xy()) / map.texel_m;
+    let most = IVec2::splat(map.side as i32 - 1);
+    let mut node = place.floor().as_ivec2().clamp(IVec2::ZERO, most) >> (2 * level + 2);
     let mut t = t0;
     for _ in 0..MOST_STEPS {
-        let size = map.texel_m * (1_u32 << level) as f32;
-        let t_border = ((block.as_vec2() + lead) * size - start) * ray.inverse;
-        let t_middle = ((block.as_vec2() + 0.5) * size - start) * ray.inverse;
-        let t_out = t_border.min_element().min(t1);
+        let size = map.texel_m * (1_u32 << (2 * level)) as f32;
         *reads += 1;
-        // The at most three quarters on the way, each by the middle lines that lie behind the ray when it is in it.
-        let mut t_in = t;
-        let mut dips = None;
-        for _ in 0..3 {
-            let beyond = [t_in >= t_middle.x, t_in >= t_middle.y];
-            let ahead = |axis: usize| if beyond[axis] { t_out } else { t_middle[axis] };
-            let t_past = ahead(0).min(ahead(1)).min(t_out);
-            let upper = |axis: usize| i32::from(beyond[axis] == forward[axis]);
-            let quarter = 2 * block + IVec2::new(upper(0), upper(1));
-            let lowest = ray.start.z + (t_in * ray.direction.z).min(t_past * ray.direction.z);
-            let highest = tile.pyramid.highest(level - 1, quarter.x, quarter.y, map.side) - eye_elevation;
-            if t_past > t_in && lowest <= highest + slack(t) {
-                dips = Some((quarter, t_in, t_past));
-                break;
+        let rounding = slack(t);
+        let place = (start + t * ray.direction.xy()) / size;
+        let mut child = place.floor().as_ivec2().clamp(4 * node, 4 * node + 3);
+        let mut t_border = ((child.as_vec2() + lead) * size - start) * ray.inverse;
+        let t_step = size * ray.inverse.abs();
+        // Past the node's children, at most seven, to the first that the ray dips into.
+        let dips = loop {
+            let t_past = t_border.min_element().min(t1);
+            let lowest = ray.start.z + (t * ray.direction.z).min(t_past * ray.direction.z);
+            let bound = tile.pyramid.bound(level, child.x as usize, child.y as usize) - eye_elevation;
+            if t_past > t && lowest <= bound + rounding {
+                break Some(t_past);
             }
-            t_in = t_in.max(t_past);
-        }
+            t = t.max(t_past);
+            let axis = usize::from(t_border.x > t_border.y);
+            child[axis] += step[axis];
+            t_border[axis] += t_step[axis];
+            if (child >> 2) != node || t >= t1 {
+                break None;
+            }
+        };
         match dips {
-            Some((cell, t_in, t_past)) if level == 1 => {
-                let word = map.cells[cell.y as usize * map.side + cell.x as usize];
+            Some(t_past) if level == 0 => {
+                let word = map.cells[child.y as usize * map.side + child.x as usize];
                 *reads += 1;
-                let hit = visit_cell(map, word, cell, ray, start, eye_elevation, [t_in, t_past]);
+                let hit = visit_cell(map, word, child, ray, start, eye_elevation, [t, t_past]);
                 if hit.is_some() {
                     return hit;
                 }
                 t = t_past;
             }
-            Some((quarter, t_in, _)) => {
+            Some(_) => {
                 level -= 1;
-                block = quarter;
-                t = t_in;
+                node = child;
             }
             None => {
-                // Over the nearer border, and up when that is the parent's border too.
-                t = t.max(t_out);
-                let axis = usize::from(t_border.x > t_border.y);
-                block[axis] += step[axis];
-                let moved = if forward[axis] {
-                    block[axis]
-                } else {
-                    block[axis] + 1
-                };
-                if t >= t1 || moved <= 0 || moved >= 1 << (top - level) {
+                let children = IVec2::splat((map.side >> (2 * level)) as i32);
+                if t >= t1 || child.cmplt(IVec2::ZERO).any() || child.cmpge(children).any() {
                     break;
                 }
-                if level < top && moved & 1 == 0 {
+                // Over to the next node, and up when that has another parent.
+                let next = child >> 2;
+                if level < top && (next >> 2) != (node >> 2) {
                     level += 1;
-                    block >>= 1;
+                    node = next >> 2;
+                } else {
+                    node = next;
                 }
             }
         }
@@ -299,9 +295,16 @@ pub fn walk_city<'a>(
             && let Some(map) = tile_at(tile)
         {
             *reads += 1;
-            let lowest = ray.start.z + (t * ray.direction.z).min(t_out * ray.direction.z);
-            if lowest <= map.pyramid.top() - eye_elevation {
-                let hit = walk_tile(map, ray, corner, eye_elevation, [t, t_out], reads);
+            // Of the way through the tile only what lies below its highest roof.
+            let t_high = (map.pyramid.top() - eye_elevation - ray.start.z) / ray.direction.z;
+            let (mut from_t, mut to_t) = (t, t_out);
+            if ray.direction.z < 0.0 {
+                from_t = from_t.max(t_high - slack(t_high));
+            } else if ray.direction.z > 0.0 {
+                to_t = to_t.min(t_high + slack(t_high));
+            }
+            if from_t <= to_t {
+                let hit = walk_tile(map, ray, corner, eye_elevation, [from_t, to_t], reads);
                 if let Some(hit) = hit.filter(|hit| hit.t <= end) {
                     return Some(hit);
                 }

@@ -68,7 +68,7 @@ pub fn load_ground(
         gpu,
         "terrain heights",
         wgpu::TextureFormat::R32Float,
-        side,
+        [side; 2],
         1,
         present.len() as u32,
     )?;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::SceneError;
 use super::batch::{BATCH, flush};
 use super::ground::GroundData;
-use crate::buildings::{BuildingMap, OutlineVertex, Pyramid, RoofRecord};
+use crate::buildings::{BuildingMap, Pyramid};
 use crate::city::{City, CityError};
 use crate::gpu::{Gpu, TextureArray, storage_buffer};
 use crate::space::TileId;
@@ -15,20 +15,26 @@ use crate::space::TileId;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct TileSlot {
-    /// Column and row.
-    pub tile: [i32; 2],
-    /// First outline vertex.
-    pub vertex_base: u32,
+    /// First outline corner.
+    pub corner_base: u32,
     /// First piece.
     pub piece_base: u32,
-    /// First roof.
-    pub roof_base: u32,
-    /// Keeps the record at 32 bytes.
-    pub padding: u32,
     /// Lowest ground, metres.
     pub low: f32,
     /// Highest roof, metres.
     pub high: f32,
+}
+
+/// A corner of an outline, or a roof; layout of `Corner` in `shaders/lib/building_map.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Corner {
+    /// Metres from the tile's south-west corner.
+    pub position: [f32; 2],
+    /// Elevation of the building's roof, metres.
+    pub roof_m: f32,
+    /// Id of the building.
+    pub fid: u32,
 }
 
 /// The building map of all tiles on the GPU.
@@ -37,9 +43,9 @@ pub struct MapData {
     pub slots: Vec<TileSlot>,
     pub cells: TextureArray,
     pub pyramid: TextureArray,
-    pub vertices: wgpu::Buffer,
+    pub corners: wgpu::Buffer,
     pub pieces: wgpu::Buffer,
-    pub roofs: wgpu::Buffer,
+    pub along_outline: wgpu::Buffer,
     pub bytes: u64,
 }
 
@@ -52,7 +58,6 @@ pub fn load_maps(
     table: &mut [[i32; 2]],
 ) -> Result<MapData, SceneError> {
     let side = city.manifest().tile_texels as u32;
-    let levels = side.ilog2();
     let present: Vec<TileId> = tiles
         .iter()
         .copied()
@@ -63,84 +68,90 @@ pub fn load_maps(
         gpu,
         "building map cells",
         wgpu::TextureFormat::R32Uint,
-        side,
+        [side; 2],
         1,
         layers,
     )?;
     let pyramid = TextureArray::new(
         gpu,
         "building map pyramid",
-        wgpu::TextureFormat::Rgba16Float,
-        side / 2,
-        levels,
+        wgpu::TextureFormat::Rgba32Uint,
+        Pyramid::image_size(side as usize).map(|count| count as u32),
+        1,
         layers,
     )?;
     let (mut resident, mut slots) = (Vec::new(), Vec::new());
-    let mut vertices: Vec<OutlineVertex> = Vec::new();
+    let mut corners: Vec<Corner> = Vec::new();
     let mut pieces: Vec<u32> = Vec::new();
-    let mut roofs: Vec<RoofRecord> = Vec::new();
+    let mut along_outline: Vec<f32> = Vec::new();
     let lowest_ground: std::collections::HashMap<TileId, f32> = ground
         .slots
         .iter()
         .map(|slot| (slot.tile, slot.range[0]))
         .collect();
     for batch in present.chunks(BATCH) {
-        let loaded: Vec<Option<(TileId, BuildingMap, Pyramid)>> = batch
+        let loaded: Vec<Option<(TileId, BuildingMap, f32, Pyramid)>> = batch
             .par_iter()
             .map(|&tile| {
                 Ok(city.buildings(tile)?.map(|map| {
-                    let pyramid = Pyramid::of(&map);
-                    (tile, map, pyramid)
+                    let low = lowest_ground
+                        .get(&tile)
+                        .copied()
+                        .unwrap_or(f32::INFINITY)
+                        .min(map.lowest_base());
+                    let pyramid = Pyramid::of(&map, low);
+                    (tile, map, low, pyramid)
                 }))
             })
             .collect::<Result<_, CityError>>()?;
-        for (tile, map, maxima) in loaded.into_iter().flatten() {
+        for (tile, map, low, maxima) in loaded.into_iter().flatten() {
             let slot = slots.len() as u32;
             cells.write(gpu, slot, 0, &map.cells);
-            let lowest_base = map
-                .roofs
-                .iter()
-                .map(|roof| roof.base_m)
-                .fold(f32::INFINITY, f32::min);
-            let low = lowest_ground
-                .get(&tile)
-                .copied()
-                .unwrap_or(lowest_base)
-                .min(lowest_base);
-            for level in 1..=levels {
-                pyramid.write(gpu, slot, level - 1, &maxima.quarters(level as usize, low));
-            }
+            pyramid.write(gpu, slot, 0, maxima.nodes());
             slots.push(TileSlot {
-                tile: [tile.x as i32, tile.y as i32],
-                vertex_base: vertices.len() as u32,
+                corner_base: (corners.len() + map.roofs.len()) as u32,
                 piece_base: pieces.len() as u32,
-                roof_base: roofs.len() as u32,
-                padding: 0,
                 low,
                 high: maxima.top(),
             });
             let row = city.manifest().grid.columns as usize * tile.y as usize;
             table[row + tile.x as usize][0] = slot as i32;
             resident.push(tile);
-            vertices.extend(&map.vertices);
+            corners.extend(corners_of(&map));
             pieces.extend(&map.pieces);
-            roofs.extend(&map.roofs);
+            along_outline.extend(map.roofs.iter().map(|_| 0.0));
+            along_outline.extend(map.vertices.iter().map(|vertex| vertex.along_m));
         }
         flush(gpu)?;
     }
+    let [width, height] = Pyramid::image_size(side as usize);
+    let pyramid_bytes = (16 * width * height * slots.len()) as u64;
     let texels = u64::from(side) * u64::from(side) * slots.len() as u64;
     Ok(MapData {
-        bytes: texels * 4
-            + texels * 8 / 3
-            + 16 * vertices.len() as u64
-            + 4 * pieces.len() as u64
-            + 16 * roofs.len() as u64,
+        bytes: texels * 4 + pyramid_bytes + 20 * corners.len() as u64 + 4 * pieces.len() as u64,
         tiles: resident,
         slots,
         cells,
         pyramid,
-        vertices: storage_buffer(gpu, "building outlines", &vertices)?,
+        corners: storage_buffer(gpu, "building outlines", &corners)?,
         pieces: storage_buffer(gpu, "building pieces", &pieces)?,
-        roofs: storage_buffer(gpu, "building roofs", &roofs)?,
+        along_outline: storage_buffer(gpu, "lengths along outlines", &along_outline)?,
     })
+}
+
+/// A map's roofs, the last first, and its outlines' corners.
+fn corners_of(map: &BuildingMap) -> impl Iterator<Item = Corner> {
+    let roofs = map.roofs.iter().rev().map(|roof| Corner {
+        position: [0.0; 2],
+        roof_m: roof.roof_m,
+        fid: roof.fid,
+    });
+    roofs.chain(map.vertices.iter().map(|vertex| {
+        let roof = &map.roofs[vertex.building as usize];
+        Corner {
+            position: [vertex.x_m, vertex.y_m],
+            roof_m: roof.roof_m,
+            fid: roof.fid,
+        }
+    }))
 }

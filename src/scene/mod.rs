@@ -14,6 +14,6 @@ mod resident;
 pub use cull::Frustum;
 pub use error::SceneError;
 pub use ground::{GroundSlot, GroundTile, TerrainMesh};
-pub use maps::TileSlot;
+pub use maps::{Corner, TileSlot};
 pub use order::nearest_first;
 pub use resident::Resident;

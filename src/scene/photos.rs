@@ -36,7 +36,7 @@ pub fn load_photos(
         gpu,
         "photos",
         wgpu::TextureFormat::Rgba8UnormSrgb,
-        side,
+        [side; 2],
         levels,
         present.len() as u32,
     )?;

@@ -40,14 +40,14 @@ pub struct Resident {
     pub slot_buffer: wgpu::Buffer,
     /// Cell words.
     pub cells: TextureArray,
-    /// Highest roofs of the quarters of each block.
+    /// Bounds on the roofs, a node of 4 x 4 children a texel.
     pub pyramid: TextureArray,
-    /// Outline vertices of all tiles.
-    pub vertices: wgpu::Buffer,
+    /// Roofs and outlines' corners of all tiles.
+    pub corners: wgpu::Buffer,
     /// Piece lists of all tiles.
     pub pieces: wgpu::Buffer,
-    /// Roofs of all tiles.
-    pub roofs: wgpu::Buffer,
+    /// Metres along its outline, for every corner.
+    pub along_outline: wgpu::Buffer,
     /// Ground records.
     pub ground_buffer: wgpu::Buffer,
     /// Heights.
@@ -95,9 +95,9 @@ impl Resident {
             slot_buffer,
             cells: maps.cells,
             pyramid: maps.pyramid,
-            vertices: maps.vertices,
+            corners: maps.corners,
             pieces: maps.pieces,
-            roofs: maps.roofs,
+            along_outline: maps.along_outline,
             ground_buffer: ground.records,
             heights: ground.heights,
             ground_indices: ground.indices,

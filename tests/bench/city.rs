@@ -30,7 +30,9 @@ fn benches(criterion: &mut Criterion) {
         bencher.iter(|| rasterise(&tile, 512, &of_tile));
     });
     if let Ok(map) = rasterise(&tile, 512, &of_tile) {
-        criterion.bench_function("pyramid of a tile", |bencher| bencher.iter(|| Pyramid::of(&map)));
+        criterion.bench_function("pyramid of a tile", |bencher| {
+            bencher.iter(|| Pyramid::of(&map, 0.0))
+        });
     }
     let side = 129;
     let height =
