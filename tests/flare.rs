@@ -15,7 +15,7 @@ use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
 use rilievo::camera::{Ghost, Paraxial, Tracer, beam_direction};
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
-use rilievo::output::{FlarePicture, FlareRenderer, auto_exposure, developed, write_png};
+use rilievo::output::{FlarePicture, FlareRenderer, auto_exposure, developed, srgb, write_png};
 use rilievo::relief::{CpuMap, SUN_RADIUS, sun_visibility};
 
 const CIRCLE: Aperture = Aperture {
@@ -174,18 +174,14 @@ fn psnr(a: &[u8], b: &[u8]) -> f64 {
 fn each_mode_comes_near_dense_exact_rays() {
     let gpu = Gpu::open().unwrap();
     for (name, angle, f_number, mode, least) in [
-        ("heliar", 5.0, 22.0, FlareMode::Paraxial, 33.0),
+        ("heliar", 5.0, 22.0, FlareMode::Paraxial, 35.0),
         ("heliar", 5.0, 22.0, FlareMode::Blended, 44.0),
         ("tessar", 12.0, 8.0, FlareMode::Blended, 44.0),
         ("angenieux", 5.0, 8.0, FlareMode::Blended, 44.0),
     ] {
         let dense = draw(&gpu, name, &source(angle, f_number, 100), FlareMode::Exact, None);
         let tested = draw(&gpu, name, &source(angle, f_number, 24), mode, None);
-        let exposure = auto_exposure(&dense.radiance);
-        let near = psnr(
-            &developed(&dense.radiance, exposure),
-            &developed(&tested.radiance, exposure),
-        );
+        let near = nearness(&dense, &tested);
         println!("{name} {mode:?}: {near:.2} dB");
         assert!(near > least, "{name} {mode:?}: {near} dB");
     }
@@ -456,12 +452,12 @@ fn tables_of_images_play_what_was_recorded() {
                 .flatten()
                 .fold(0.0_f32, |most, &v| most.max(v));
         let name = format!("{degrees}.png");
-        write_png(
-            &folder.path().join(&name),
-            SIZE,
-            &developed(&picture.radiance, exposure),
-        )
-        .unwrap();
+        let photo: Vec<u8> = picture
+            .radiance
+            .iter()
+            .flat_map(|&[r, g, b]| [srgb(r * exposure), srgb(g * exposure), srgb(b * exposure), 255])
+            .collect();
+        write_png(&folder.path().join(&name), SIZE, &photo).unwrap();
         list += &format!("{name},{degrees}\n");
         shots.push(
             picture

@@ -214,33 +214,50 @@ pub fn area_on_film(vertices: &[FlareVertex], half_mm: [f64; 2]) -> f64 {
         .sum()
 }
 
-/// Factor that brings all but the brightest 0.5 % of the lit pixels below the display's white.
+/// Factor that brings all but the brightest 0.5 % of the lit pixels below 1.5, which [`developed`] shows at 0.6 of the
+/// display's white.
 pub fn auto_exposure(radiance: &[[f32; 3]]) -> f32 {
     let mut lit: Vec<f32> = radiance
         .iter()
-        .map(|rgb| rgb.iter().fold(0.0_f32, |most, &value| most.max(value)))
+        .map(brightest)
         .filter(|&value| value > 0.0)
         .collect();
     if lit.is_empty() {
         return 1.0;
     }
     lit.sort_by(f32::total_cmp);
-    0.9 / lit[(lit.len() - 1) * 995 / 1000].max(f32::MIN_POSITIVE)
+    1.5 / lit[(lit.len() - 1) * 995 / 1000].max(f32::MIN_POSITIVE)
 }
 
-/// 8-bit sRGB of linear radiance times an exposure; what is brighter than white is white.
-pub fn developed(radiance: &[[f32; 3]], exposure: f32) -> Vec<u8> {
-    let srgb = |linear: f32| {
-        let value = (linear * exposure).clamp(0.0, 1.0);
-        let encoded = if value <= 0.003_130_8 {
-            12.92 * value
-        } else {
-            1.055 * value.powf(1.0 / 2.4) - 0.055
-        };
-        (255.0 * encoded).round() as u8
+fn brightest(rgb: &[f32; 3]) -> f32 {
+    rgb.iter().fold(0.0, |most, &value| most.max(value))
+}
+
+/// 8-bit sRGB code of a linear value (IEC 61966-2-1); what is brighter than 1 is white.
+pub fn srgb(linear: f32) -> u8 {
+    let value = linear.clamp(0.0, 1.0);
+    let encoded = if value <= 0.003_130_8 {
+        12.92 * value
+    } else {
+        1.055 * value.powf(1.0 / 2.4) - 0.055
     };
+    (255.0 * encoded).round() as u8
+}
+
+/// 8-bit sRGB of linear radiance times an exposure. The ghosts of one flare differ a hundredfold: the brightest channel is
+/// brought to x / (1 + x) and the others in proportion, so that none is cut off at white and all keep their hue
+/// (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", equation 3).
+pub fn developed(radiance: &[[f32; 3]], exposure: f32) -> Vec<u8> {
     radiance
         .iter()
-        .flat_map(|rgb| [srgb(rgb[0]), srgb(rgb[1]), srgb(rgb[2]), 255])
+        .flat_map(|rgb| {
+            let share = exposure / (1.0 + exposure * brightest(rgb));
+            [
+                srgb(rgb[0] * share),
+                srgb(rgb[1] * share),
+                srgb(rgb[2] * share),
+                255,
+            ]
+        })
         .collect()
 }
