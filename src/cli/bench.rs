@@ -10,10 +10,11 @@ use serde_json::{Value, json};
 use super::CommandError;
 use super::render::{light, size};
 use super::statistics::median;
+use crate::buildings::Building;
 use crate::city::City;
 use crate::output::{PictureRequest, Renderer};
 use crate::relief::{CpuMap, ReliefMode};
-use crate::scene::TerrainMesh;
+use crate::scene::{Frustum, TerrainMesh};
 use crate::space::View;
 
 /// Flags of `bench`.
@@ -26,7 +27,7 @@ pub struct BenchArgs {
     #[arg(long, conflicts_with_all = ["city", "path"])]
     flare: bool,
     /// Views: a JSON list of {"name", "eye": [E,N,H], "look": [E,N,H], "fov": degrees} [default: low, oblique and high
-    /// over the middle].
+    /// over the middle, and the whole city from above].
     #[arg(long)]
     path: Option<PathBuf>,
     /// Picture size, pixels.
@@ -62,10 +63,10 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     let city = City::open(folder)?;
     let views = match &args.path {
         Some(path) => read_path(path)?,
-        None => default_views(&city)?,
+        None => default_views(&city, args.size)?,
     };
     let mut renderer = Renderer::open(&city, ReliefMode::Exact, TerrainMesh::Tin)?;
-    renderer.load_polygons(&city)?;
+    let buildings = renderer.load_polygons(&city)?;
     let cpu_map = CpuMap::new(&city, renderer.resident.highest_roof);
     let mut rows = Vec::new();
     for view in &views {
@@ -74,6 +75,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
             look: DVec3::from_array(view.look),
             fov_y: view.fov.to_radians(),
         };
+        let in_view = buildings_in_view(&buildings, &pose, args.size);
         let reads = reads_per_ray(&cpu_map, &pose, args.size);
         for mode in [ReliefMode::Exact, ReliefMode::Polygons] {
             let request = PictureRequest {
@@ -94,6 +96,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
                 |index: usize| median(times.iter().filter_map(|(_, passes)| passes.get(index).copied()));
             rows.push(json!({
                 "view": view.name,
+                "buildings_in_view": in_view,
                 "relief": if mode == ReliefMode::Exact { "exact" } else { "polygons" },
                 "ground_ms": pass(0),
                 "buildings_ms": pass(1),
@@ -127,8 +130,9 @@ fn print_table(report: &Value) {
         report["resident_bytes"]
     );
     say!(
-        "{:10} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
+        "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
         "view",
+        "in view",
         "relief",
         "ground ms",
         "buildings ms",
@@ -143,8 +147,9 @@ fn print_table(report: &Value) {
                 .map_or("-".to_owned(), |value| format!("{value:.1}"))
         };
         say!(
-            "{:10} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
+            "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
             row["view"].as_str().unwrap_or(""),
+            row["buildings_in_view"],
             row["relief"].as_str().unwrap_or(""),
             number("ground_ms"),
             number("buildings_ms"),
@@ -153,6 +158,14 @@ fn print_table(report: &Value) {
             number("reads_per_ray")
         );
     }
+}
+
+/// Buildings of which at least a part may lie in the picture, hidden ones too: what polygons have to draw.
+fn buildings_in_view(buildings: &[Building], view: &View, size: [u32; 2]) -> usize {
+    let frustum = Frustum::new(view.projection(size).clip_from_eye_relative(), view.eye);
+    let is_in_view =
+        |building: &&Building| frustum.sees(&building.bounds(), building.base_m, building.roof_m);
+    buildings.iter().filter(is_in_view).count()
 }
 
 fn reads_per_ray(map: &CpuMap<'_>, view: &View, size: [u32; 2]) -> f64 {
@@ -178,8 +191,8 @@ fn read_path(path: &Path) -> Result<Vec<PathView>, CommandError> {
     serde_json::from_slice(&text).map_err(|error| failed(format!("is no list of views ({error})")))
 }
 
-/// A low, an oblique and a high view over the middle of the buildings.
-fn default_views(city: &City) -> Result<Vec<PathView>, CommandError> {
+/// A low, an oblique and a high view over the middle, and one from above that shows the whole city.
+fn default_views(city: &City, size: [u32; 2]) -> Result<Vec<PathView>, CommandError> {
     let bounds = city.manifest().grid.bounds();
     let centre = bounds.centre();
     let tile = city.manifest().grid.tile_at(centre);
@@ -189,6 +202,10 @@ fn default_views(city: &City) -> Result<Vec<PathView>, CommandError> {
     };
     let top = f64::from(ground.map_or(0.0, |[_, high]| high));
     let reach = 0.25 * bounds.width().min(bounds.height());
+    // Far enough for the city's sides to fit, with a tenth to spare.
+    let half_view = (0.5 * default_fov()).to_radians().tan();
+    let aspect = f64::from(size[0]) / f64::from(size[1]);
+    let far = 0.55 * (bounds.height() / half_view).max(bounds.width() / (half_view * aspect));
     let view = |name: &str, back: f64, up: f64| PathView {
         name: name.to_owned(),
         eye: [centre.x - back, centre.y - back, top + up],
@@ -199,5 +216,9 @@ fn default_views(city: &City) -> Result<Vec<PathView>, CommandError> {
         view("low", 0.4 * reach, 60.0),
         view("oblique", 0.4 * reach, 0.35 * reach),
         view("high", 0.6 * reach, 1.6 * reach),
+        PathView {
+            eye: [centre.x, centre.y - 0.02 * far, top + far],
+            ..view("whole", 0.0, far)
+        },
     ])
 }

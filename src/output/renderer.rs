@@ -39,19 +39,19 @@ impl Renderer {
         })
     }
 
-    /// Loads the mesh for `ReliefMode::Polygons` beside the building map.
-    pub fn load_polygons(&mut self, city: &City) -> Result<(), RenderError> {
+    /// Loads the mesh for `ReliefMode::Polygons` beside the building map; gives the buildings that it shows.
+    pub fn load_polygons(&mut self, city: &City) -> Result<Vec<Building>, RenderError> {
         add_polygons(&self.gpu, city, &mut self.relief)
     }
 }
 
 /// Raises the digital map's footprints on the city's ground; needs GDAL, unlike every other way of drawing.
-fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<(), RenderError> {
+fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<Vec<Building>, RenderError> {
     let buildings = standing_buildings(city)?;
     let centre = city.manifest().grid.bounds().centre();
     let origin = DVec3::new(centre.x, centre.y, 0.0);
     relief.set_polygons(gpu, &building_mesh(&buildings, origin), origin)?;
-    Ok(())
+    Ok(buildings)
 }
 
 /// The digital map's buildings with their bases and roofs.
