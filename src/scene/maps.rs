@@ -84,13 +84,14 @@ pub fn load_maps(
     let mut corners: Vec<Corner> = Vec::new();
     let mut pieces: Vec<u32> = Vec::new();
     let mut along_outline: Vec<f32> = Vec::new();
+    let mut bytes = 0;
     let lowest_ground: std::collections::HashMap<TileId, f32> = ground
         .slots
         .iter()
         .map(|slot| (slot.tile, slot.range[0]))
         .collect();
     for batch in present.chunks(BATCH) {
-        let loaded: Vec<Option<(TileId, BuildingMap, f32, Pyramid)>> = batch
+        let loaded: Vec<Option<(TileId, BuildingMap, Pyramid)>> = batch
             .par_iter()
             .map(|&tile| {
                 Ok(city.buildings(tile)?.map(|map| {
@@ -100,18 +101,19 @@ pub fn load_maps(
                         .unwrap_or(f32::INFINITY)
                         .min(map.lowest_base());
                     let pyramid = Pyramid::of(&map, low);
-                    (tile, map, low, pyramid)
+                    (tile, map, pyramid)
                 }))
             })
             .collect::<Result<_, CityError>>()?;
-        for (tile, map, low, maxima) in loaded.into_iter().flatten() {
+        for (tile, map, maxima) in loaded.into_iter().flatten() {
             let slot = slots.len() as u32;
+            bytes += (map.bytes() + Pyramid::bytes(map.side)) as u64;
             cells.write(gpu, slot, 0, &map.cells);
             pyramid.write(gpu, slot, 0, maxima.nodes());
             slots.push(TileSlot {
                 corner_base: (corners.len() + map.roofs.len()) as u32,
                 piece_base: pieces.len() as u32,
-                low,
+                low: maxima.low(),
                 high: maxima.top(),
             });
             let row = city.manifest().grid.columns as usize * tile.y as usize;
@@ -124,11 +126,8 @@ pub fn load_maps(
         }
         flush(gpu)?;
     }
-    let [width, height] = Pyramid::image_size(side as usize);
-    let pyramid_bytes = (16 * width * height * slots.len()) as u64;
-    let texels = u64::from(side) * u64::from(side) * slots.len() as u64;
     Ok(MapData {
-        bytes: texels * 4 + pyramid_bytes + 20 * corners.len() as u64 + 4 * pieces.len() as u64,
+        bytes,
         tiles: resident,
         slots,
         cells,

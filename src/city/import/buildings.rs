@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::TILE_TEXELS;
 use super::plan::Plan;
 use super::progress::progress;
-use crate::buildings::{Building, rasterise};
+use crate::buildings::{Building, Pyramid, rasterise};
 use crate::city::CityError;
 use crate::city::codec;
 use crate::city::geotiff::GeoKeys;
@@ -103,7 +103,7 @@ pub fn make_building_maps(
                 return Ok(()); // only its rectangle touches the tile
             }
             written.fetch_add(1, Ordering::Relaxed);
-            bytes.fetch_add((map.bytes() + map.cells.len() * 4 / 3) as u64, Ordering::Relaxed);
+            bytes.fetch_add((map.bytes() + Pyramid::bytes(map.side)) as u64, Ordering::Relaxed);
             let left = codec::read_buildings(&path, TILE_TEXELS, f64::from(map.texel_m));
             if left.ok().as_ref() != Some(&map) {
                 codec::write_buildings(&path, &bounds, &map, keys)?;
