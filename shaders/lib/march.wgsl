@@ -258,10 +258,14 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
         if all((tile >= vec2<i32>(0))) && all((tile < frame.grid)) {
             let slot_index = textureLoad(tile_table, tile, 0).x;
             let slot = slot_at(max(slot_index, 0));
-            // Of the way through the tile only what lies below its highest roof.
+            // Of the way through the tile only what lies between its lowest ground and its highest roof: a ray that comes in
+            // under the ground, past the city's edge, meets nothing.
+            let t_low = (slot.low - frame.eye_elevation - ray.start.z) / ray.direction.z;
             let t_high = (slot.high - frame.eye_elevation - ray.start.z) / ray.direction.z;
-            let from_t = select(t, max(t, t_high - slack(t_high)), ray.direction.z < 0.0);
-            let to_t = select(t_out, min(t_out, t_high + slack(t_high)), ray.direction.z > 0.0);
+            let t_first = min(t_low, t_high);
+            let t_last = max(t_low, t_high);
+            let from_t = max(t, t_first - slack(abs(t_first)));
+            let to_t = min(t_out, t_last + slack(abs(t_last)));
             if slot_index >= 0 && from_t <= to_t {
                 let met = walk_tile(slot_index, slot, tile, ray, from_t, to_t);
                 if met.t <= end { hit = met; }

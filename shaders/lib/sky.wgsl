@@ -1,7 +1,9 @@
 // A clear sky and the haze before distant things. Plausible, not physical: a gradient from zenith to horizon that
 // reddens with a low sun, and a glow round the sun; an atmosphere model can take its place.
 
+// Way through the haze on the ground that dims contrast to 1/e; the haze thins to 1/e over this height above the lowest ground.
 const HAZE_RANGE_M: f32 = 22000.0;
+const HAZE_HEIGHT_M: f32 = 1200.0;
 
 fn day(sun_up: f32) -> f32 { return smoothstep(-0.12, 0.25, sun_up); }
 
@@ -38,7 +40,17 @@ fn ambient_light(normal: vec3<f32>) -> vec3<f32> {
     return light * mix(ground, sky, 0.5 + 0.5 * normal.z) * 0.95;
 }
 
+// Optical depth of the haze between the eye and a place: its density falls off exponentially with height above the lowest
+// ground, and the integral along a ray has a closed form.
+fn haze_depth(direction: vec3<f32>, t: f32) -> f32 {
+    let eye_height = clamp(-frame.lowest_ground, 0.0, 1.0e5) / HAZE_HEIGHT_M;
+    let rise = t * direction.z / HAZE_HEIGHT_M;
+    // (1 - exp(-rise)) / rise, by its series where the ray is nearly level.
+    let mean = select((1.0 - exp(-rise)) / rise, 1.0 - 0.5 * rise, abs(rise) < 0.01);
+    return t / HAZE_RANGE_M * exp(-eye_height) * mean;
+}
+
 fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
     let flat = normalize(vec3<f32>(direction.xy, max(direction.z, 0.0)));
-    return mix(sky_colour(flat), colour, exp(-t / HAZE_RANGE_M));
+    return mix(sky_colour(flat), colour, exp(-haze_depth(direction, t)));
 }

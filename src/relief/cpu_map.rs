@@ -37,8 +37,15 @@ impl<'a> CpuMap<'a> {
         };
         let index = (id.y * grid.columns + id.x) as usize;
         let load = || -> Result<Option<MapTile>, CityError> {
-            Ok(self.city.buildings(id)?.map(|map| MapTile {
-                pyramid: Pyramid::of(&map, map.lowest_base()),
+            let Some(map) = self.city.buildings(id)? else {
+                return Ok(None);
+            };
+            let ground = self.city.terrain(id)?.and_then(|terrain| terrain.ground.range());
+            let low = ground
+                .map_or(f32::INFINITY, |[low, _]| low)
+                .min(map.lowest_base());
+            Ok(Some(MapTile {
+                pyramid: Pyramid::of(&map, low),
                 map,
             }))
         };

@@ -295,14 +295,12 @@ pub fn walk_city<'a>(
             && let Some(map) = tile_at(tile)
         {
             *reads += 1;
-            // Of the way through the tile only what lies below its highest roof.
+            // Of the way through the tile only what lies between its lowest ground and its highest roof.
+            let t_low = (map.pyramid.low() - eye_elevation - ray.start.z) / ray.direction.z;
             let t_high = (map.pyramid.top() - eye_elevation - ray.start.z) / ray.direction.z;
-            let (mut from_t, mut to_t) = (t, t_out);
-            if ray.direction.z < 0.0 {
-                from_t = from_t.max(t_high - slack(t_high));
-            } else if ray.direction.z > 0.0 {
-                to_t = to_t.min(t_high + slack(t_high));
-            }
+            let (t_first, t_last) = (t_low.min(t_high), t_low.max(t_high));
+            let from_t = t.max(t_first - slack(t_first.abs()));
+            let to_t = t_out.min(t_last + slack(t_last.abs()));
             if from_t <= to_t {
                 let hit = walk_tile(map, ray, corner, eye_elevation, [from_t, to_t], reads);
                 if let Some(hit) = hit.filter(|hit| hit.t <= end) {
