@@ -29,7 +29,8 @@ const MOST_STEPS: u32 = 8192u;
 fn make_ray(start: vec3<f32>, direction: vec3<f32>) -> Ray {
     let tiny = vec2<f32>(1.0e-9);
     let d = select(direction.xy, select(-tiny, tiny, direction.xy >= vec2<f32>(0.0)), abs(direction.xy) < tiny);
-    return Ray(start, vec3<f32>(d, direction.z), 1.0 / d);
+    let rise = select(direction.z, select(-tiny.x, tiny.x, direction.z >= 0.0), abs(direction.z) < tiny.x);
+    return Ray(start, vec3<f32>(d, rise), 1.0 / d);
 }
 
 fn cross2(a: vec2<f32>, b: vec2<f32>) -> f32 { return a.x * b.y - a.y * b.x; }
@@ -122,7 +123,7 @@ fn nearer(t: vec2<f32>, end: f32) -> f32 { return min(min(t.x, t.y), end); }
 // Where a ray is in one tile, and the texel to look into when there is one.
 struct Walk {
     slot_index: i32,
-    // The ray's start in the tile's local coordinates; what byte 0 stands for, metres above the ray's start.
+    // The ray's start in the tile's local coordinates; a step below the lowest ground, metres above the ray's start.
     start: vec2<f32>,
     floor_z: f32,
     // Metres along the ray: here, and at the end of the walk.

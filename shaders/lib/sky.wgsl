@@ -43,11 +43,12 @@ fn ambient_light(normal: vec3<f32>) -> vec3<f32> {
 // Optical depth of the haze between the eye and a place: its density falls off exponentially with height above the lowest
 // ground, and the integral along a ray has a closed form.
 fn haze_depth(direction: vec3<f32>, t: f32) -> f32 {
-    let eye_height = clamp(-frame.lowest_ground, 0.0, 1.0e5) / HAZE_HEIGHT_M;
+    let eye_height = max(-frame.lowest_ground, 0.0) / HAZE_HEIGHT_M;
     let rise = t * direction.z / HAZE_HEIGHT_M;
-    // (1 - exp(-rise)) / rise, by its series where the ray is nearly level.
-    let mean = select((1.0 - exp(-rise)) / rise, 1.0 - 0.5 * rise, abs(rise) < 0.01);
-    return t / HAZE_RANGE_M * exp(-eye_height) * mean;
+    let at_eye = exp(-eye_height);
+    // The mean density along the ray, by its series where that is nearly level.
+    let mean = select((at_eye - exp(-eye_height - rise)) / rise, at_eye * (1.0 - 0.5 * rise), abs(rise) < 0.01);
+    return t / HAZE_RANGE_M * mean;
 }
 
 fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {

@@ -14,7 +14,7 @@ const BEAM_SLACK: f32 = 0.01;
 // Highest roof over a place without a building map.
 const NOTHING: f32 = -1.0e9;
 
-// Highest roof of a pyramid block, metres above the vertical datum, by its place in a grid of such blocks over the whole
+// Bound on the roofs of a pyramid block, metres above the vertical datum, by its place in a grid of such blocks over the whole
 // city.
 fn highest_of(block: vec2<i32>, level: u32) -> f32 {
     let shift = vec2<u32>(frame.top_level - level);
@@ -24,14 +24,14 @@ fn highest_of(block: vec2<i32>, level: u32) -> f32 {
     if slot < 0 { return NOTHING; }
     let record = slot_at(slot);
     // A block is a child of a node or, at odd levels, four of them.
-    let half = vec2<i32>(i32(level & 1u));
-    let first = (block - (tile << shift)) << vec2<u32>(half);
+    let odd = vec2<i32>(i32(level & 1u));
+    let first = (block - (tile << shift)) << vec2<u32>(odd);
     let rows = node_at(first >> vec2<u32>(2u), level >> 1u, slot);
-    let bytes = max(
-        max(child_byte(rows, first), child_byte(rows, first + half)),
-        max(child_byte(rows, first + half * vec2<i32>(1, 0)), child_byte(rows, first + half * vec2<i32>(0, 1))),
+    let highest = max(
+        max(child_byte(rows, first), child_byte(rows, first + odd)),
+        max(child_byte(rows, first + odd * vec2<i32>(1, 0)), child_byte(rows, first + odd * vec2<i32>(0, 1))),
     );
-    return record.low + (f32(bytes) - 1.0) * step_of(record);
+    return select(record.low + (f32(highest) - 1.0) * step_of(record), NOTHING, highest == 0u);
 }
 
 // Earliest t at which the beam, t * (d +- spread), can reach the interval low..high.

@@ -30,9 +30,8 @@ pub struct BuildingMap {
     pub roofs: Vec<RoofRecord>,
 }
 
-/// A vertex of an outline, 16 bytes.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+/// A vertex of an outline.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlineVertex {
     /// Metres east of the tile's corner.
     pub x_m: f32,
@@ -44,9 +43,8 @@ pub struct OutlineVertex {
     pub building: u32,
 }
 
-/// A building's roof, 16 bytes.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+/// A building's roof.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoofRecord {
     /// Elevation of the flat roof, metres.
     pub roof_m: f32,
@@ -54,8 +52,6 @@ pub struct RoofRecord {
     pub base_m: f32,
     /// Id in the digital map of record.
     pub fid: u32,
-    /// Keeps the record at 16 bytes for the shader.
-    pub padding: u32,
 }
 
 /// A contiguous run of outline edges of one building.
@@ -130,6 +126,9 @@ impl BuildingMap {
     /// and off the diagonals, because real outlines like to run through those.
     pub const REFERENCE: [f32; 2] = [0.4387, 0.5719];
 
+    /// Farther from sea level than any ground or roof that an import lets in, metres.
+    const MOST_ELEVATION_M: f32 = 100_000.0;
+
     /// Bytes that the map takes on the GPU without its pyramid: a word a texel and a piece; a record of 16 bytes and a length
     /// along the outline for every vertex and roof.
     pub fn bytes(&self) -> usize {
@@ -140,7 +139,7 @@ impl BuildingMap {
     pub fn lowest_base(&self) -> f32 {
         self.roofs
             .iter()
-            .map(|roof| roof.base_m.min(roof.roof_m))
+            .map(|roof| roof.base_m)
             .fold(f32::INFINITY, f32::min)
     }
 
@@ -214,12 +213,13 @@ impl BuildingMap {
     /// True when every index in the map points inside it: a damaged tile must not reach the shader.
     pub fn is_sound(&self) -> bool {
         let sound_word = |word: u32| match CellKind::of(word) {
-            CellKind::Empty => true,
+            CellKind::Empty => false,
             CellKind::Full(building) => (building as usize) < self.roofs.len(),
             CellKind::Run(run) => ((run.first + run.edges) as usize) < self.vertices.len(),
             CellKind::List(_) => false,
         };
         let sound_cell = |word: u32| match CellKind::of(word) {
+            CellKind::Empty => word == 0,
             CellKind::List(offset) => {
                 let count = self.pieces.get(offset as usize).copied().unwrap_or(u32::MAX);
                 let words = self.words(word);
@@ -230,7 +230,8 @@ impl BuildingMap {
                     }
                     _ => true,
                 };
-                words.len() == count as usize
+                !words.is_empty()
+                    && words.len() == count as usize
                     && words.iter().all(|&word| sound_word(word))
                     && words.windows(2).all(ends)
             }
@@ -243,6 +244,9 @@ impl BuildingMap {
                 .vertices
                 .iter()
                 .all(|vertex| (vertex.building as usize) < self.roofs.len())
+            && self.roofs.iter().all(|roof| {
+                roof.roof_m.abs() < Self::MOST_ELEVATION_M && roof.base_m.abs() < Self::MOST_ELEVATION_M
+            })
     }
 }
 

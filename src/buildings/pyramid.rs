@@ -1,8 +1,8 @@
 //! The pyramid of maxima over the roof elevations: what of a block a ray stays above is skipped in one read (maximum
 //! mipmaps: Tevs, Ihrke & Seidel 2008).
 //!
-//! A node has 4 x 4 children and is one read of 16 bytes, a byte a child: the whole pyramid takes 1.25 bytes a texel (a fifth of the image is empty), and a
-//! ray meets half as many nodes as in a pyramid of 2 x 2. Level 0 has texels for children, every level above nodes of the
+//! A node has 4 x 4 children and is one read of 16 bytes, a byte a child: the image takes 1.25 bytes a texel (a seventh of it is
+//! empty), and a ray meets half as many nodes as in a pyramid of 2 x 2. Level 0 has texels for children, every level above nodes of the
 //! level below.
 
 use super::BuildingMap;
@@ -27,7 +27,7 @@ const CHILDREN: usize = 4;
 const STEPS: f32 = 254.0;
 
 impl Pyramid {
-    /// Builds all levels. `low` is an elevation that no roof of the tile lies under, metres.
+    /// Builds all levels. `low` is the tile's lowest ground, metres; a roof under it counts as high as it.
     pub fn of(map: &BuildingMap, low: f32) -> Self {
         let mut below: Vec<f32> = (0..map.cells.len()).map(|cell| map.highest_roof(cell)).collect();
         let high = below.iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -102,7 +102,7 @@ impl Pyramid {
         }
     }
 
-    /// The elevation that no roof lies under, metres.
+    /// The tile's lowest ground, metres.
     pub fn low(&self) -> f32 {
         self.low
     }
@@ -117,7 +117,8 @@ impl Pyramid {
         &self.nodes
     }
 
-    /// A bound on the roofs of one child (level 0: a texel), metres: at most a step above the highest; negative
+    /// A bound on the roofs of one child (level 0: a texel), metres: no lower than the highest but for rounding (less than the
+    /// walk's `slack`), and at most a step above it; negative
     /// infinity where no building is.
     pub fn bound(&self, level: u32, column: usize, row: usize) -> f32 {
         let node = self.nodes[self.place(level, [column / CHILDREN, row / CHILDREN])];
@@ -125,6 +126,62 @@ impl Pyramid {
         match byte {
             0 => f32::NEG_INFINITY,
             _ => self.low + (byte as f32 - 1.0) * self.step_m(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::buildings::{CellKind, RoofRecord};
+
+    /// A third of the texels has a roof of one of 17 elevations.
+    fn scattered(side: usize) -> BuildingMap {
+        let roofs = (0..17).map(|k| RoofRecord {
+            roof_m: 40.0 + 3.7 * k as f32,
+            base_m: 31.0,
+            fid: k + 1,
+        });
+        let word = |cell: usize| match cell.wrapping_mul(2_654_435_761) >> 7 {
+            scattered if scattered % 3 == 0 => CellKind::Full(scattered as u32 % 17).word(),
+            _ => 0,
+        };
+        BuildingMap {
+            side,
+            texel_m: 1.0,
+            cells: (0..side * side).map(word).collect(),
+            vertices: Vec::new(),
+            pieces: Vec::new(),
+            roofs: roofs.collect(),
+        }
+    }
+
+    #[test]
+    fn bounds_hold_on_all_levels_of_tiles_of_any_size() {
+        for side in (1..=9).map(|k| 1_usize << k) {
+            let map = scattered(side);
+            let low = map.lowest_base();
+            let pyramid = Pyramid::of(&map, low);
+            let step = (pyramid.top() - low) / STEPS;
+            for level in 0..=Pyramid::top_level(side) {
+                let children = side >> (2 * level);
+                assert!(children >= 1, "side {side}, level {level}");
+                let mut highest = vec![f32::NEG_INFINITY; children * children];
+                for cell in 0..map.cells.len() {
+                    let (column, row) = ((cell % side) >> (2 * level), (cell / side) >> (2 * level));
+                    let of_child = &mut highest[row * children + column];
+                    *of_child = of_child.max(map.highest_roof(cell));
+                }
+                for (child, &highest) in highest.iter().enumerate() {
+                    let bound = pyramid.bound(level, child % children, child / children);
+                    let holds =
+                        highest == bound || (bound >= highest - 1e-3 && bound <= highest + step + 1e-3);
+                    assert!(
+                        holds,
+                        "side {side}, level {level}, child {child}: {bound} for {highest}"
+                    );
+                }
+            }
         }
     }
 }

@@ -63,7 +63,6 @@ impl Work {
             roof_m: building.roof_m as f32,
             base_m: building.base_m as f32,
             fid: building.fid,
-            padding: 0,
         });
         let first_touch = self.touches.len();
         let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); self.side];

@@ -173,7 +173,6 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
                 roof_m: f32::from_bits(roof),
                 base_m: f32::from_bits(base),
                 fid,
-                padding: 0,
             })
             .collect(),
     };

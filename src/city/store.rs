@@ -41,6 +41,8 @@ pub fn tile_path(folder: &Path, layer: Layer, tile: TileId) -> PathBuf {
 
 /// Largest counts a manifest may ask a reader to allocate for.
 const MOST_TILE_SAMPLES: usize = 8192;
+/// Most texels along a tile's side: the guard on the steps of a walk (`MOST_STEPS` in `relief::march`) stands on it.
+const MOST_TILE_TEXELS: usize = 2048;
 
 impl City {
     /// Opens a folder by its `city.toml`.
@@ -65,7 +67,7 @@ impl City {
                 .iter()
                 .all(|&count| count <= MOST_TILE_SAMPLES)
             && manifest.terrain_side >= 2
-            && manifest.tile_texels >= 2
+            && (2..=MOST_TILE_TEXELS).contains(&manifest.tile_texels)
             && grid.columns > 0
             && grid.rows > 0
             && [grid.west, grid.south].iter().all(|edge| edge.abs() < 1e9)

@@ -149,7 +149,7 @@ fn print_table(report: &Value) {
         say!(
             "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
             row["view"].as_str().unwrap_or(""),
-            row["buildings_in_view"],
+            row["buildings_in_view"].as_u64().unwrap_or_default(),
             row["relief"].as_str().unwrap_or(""),
             number("ground_ms"),
             number("buildings_ms"),
@@ -160,7 +160,7 @@ fn print_table(report: &Value) {
     }
 }
 
-/// Buildings of which at least a part may lie in the picture, hidden ones too: what polygons have to draw.
+/// Buildings of which at least a part may lie in the picture, hidden ones too.
 fn buildings_in_view(buildings: &[Building], view: &View, size: [u32; 2]) -> usize {
     let frustum = Frustum::new(view.projection(size).clip_from_eye_relative(), view.eye);
     let is_in_view =

@@ -229,8 +229,11 @@ pub fn auto_exposure(radiance: &[[f32; 3]]) -> f32 {
     1.5 / lit[(lit.len() - 1) * 995 / 1000].max(f32::MIN_POSITIVE)
 }
 
+/// The brightest channel, no more than a half float holds: a sum may have run over.
 fn brightest(rgb: &[f32; 3]) -> f32 {
-    rgb.iter().fold(0.0, |most, &value| most.max(value))
+    rgb.iter()
+        .fold(0.0_f32, |most, &value| most.max(value))
+        .min(65504.0)
 }
 
 /// 8-bit sRGB code of a linear value (IEC 61966-2-1); what is brighter than 1 is white.
@@ -252,12 +255,8 @@ pub fn developed(radiance: &[[f32; 3]], exposure: f32) -> Vec<u8> {
         .iter()
         .flat_map(|rgb| {
             let share = exposure / (1.0 + exposure * brightest(rgb));
-            [
-                srgb(rgb[0] * share),
-                srgb(rgb[1] * share),
-                srgb(rgb[2] * share),
-                255,
-            ]
+            let [r, g, b] = rgb.map(|value| srgb(value.min(65504.0) * share));
+            [r, g, b, 255]
         })
         .collect()
 }

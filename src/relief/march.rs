@@ -41,7 +41,7 @@ pub struct MapTile {
 }
 
 impl Ray {
-    /// A ray; directions along an axis are nudged off it by a nanometre a metre.
+    /// A ray; directions across an axis are nudged off the plane by a nanometre a metre.
     pub fn new(start: Vec3, direction: Vec3) -> Self {
         let nudge = |d: f32| {
             if d.abs() < 1e-9 {
@@ -50,7 +50,7 @@ impl Ray {
                 d
             }
         };
-        let direction = Vec3::new(nudge(direction.x), nudge(direction.y), direction.z);
+        let direction = Vec3::new(nudge(direction.x), nudge(direction.y), nudge(direction.z));
         Self {
             start,
             direction,

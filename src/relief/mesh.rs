@@ -1,11 +1,15 @@
 //! Buildings as walls and roofs of triangles, from the digital map (not from the building map, so that the two ways of
 //! drawing check each other).
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use bytemuck::{Pod, Zeroable};
 use geo::{LineString, Polygon, TriangulateEarcut};
 use glam::DVec3;
 
 use crate::buildings::Building;
+use crate::space::Bounds;
 
 /// A vertex, 24 bytes.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -28,26 +32,66 @@ pub struct BuildingMesh {
     pub vertices: Vec<MeshVertex>,
     /// Three indices a triangle, counter-clockwise from outside.
     pub indices: Vec<u32>,
+    /// Neighbouring buildings, drawn or left out together.
+    pub blocks: Vec<MeshBlock>,
+}
+
+/// Neighbouring buildings of a mesh.
+#[derive(Clone, Debug)]
+pub struct MeshBlock {
+    /// Rectangle of their outlines, world metres.
+    pub bounds: Bounds,
+    /// Lowest and highest elevation, metres.
+    pub range: [f64; 2],
+    /// Their part of the mesh's indices.
+    pub indices: Range<u32>,
 }
 
 /// How far walls reach below the base, metres: the ground beside a building can lie lower than at its corners.
 const FOUNDATION_M: f64 = 60.0;
 
+/// Side of the squares by which buildings are drawn or left out together, metres.
+const BLOCK_M: f64 = 256.0;
+
 /// Raises every building.
 pub fn building_mesh(buildings: &[Building], origin: DVec3) -> BuildingMesh {
-    let mut mesh = BuildingMesh::default();
+    let mut blocks: BTreeMap<[i64; 2], Vec<&Building>> = BTreeMap::new();
     for building in buildings {
-        for polygon in &building.outline {
-            for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
-                mesh.add_walls(building, ring, origin);
-            }
-            mesh.add_roof(building, polygon, origin);
-        }
+        let centre = building.bounds().centre();
+        let square = [centre.y, centre.x].map(|metres| (metres / BLOCK_M).floor() as i64);
+        blocks.entry(square).or_default().push(building);
+    }
+    let mut mesh = BuildingMesh::default();
+    for of_block in blocks.values() {
+        mesh.add_block(of_block, origin);
     }
     mesh
 }
 
 impl BuildingMesh {
+    fn add_block(&mut self, buildings: &[&Building], origin: DVec3) {
+        let first = self.indices.len() as u32;
+        let (mut bounds, mut range) = (Bounds::EMPTY, [f64::INFINITY, f64::NEG_INFINITY]);
+        for building in buildings {
+            bounds = bounds.union(&building.bounds());
+            range = [
+                range[0].min(building.base_m - FOUNDATION_M),
+                range[1].max(building.roof_m),
+            ];
+            for polygon in &building.outline {
+                for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
+                    self.add_walls(building, ring, origin);
+                }
+                self.add_roof(building, polygon, origin);
+            }
+        }
+        self.blocks.push(MeshBlock {
+            bounds,
+            range,
+            indices: first..self.indices.len() as u32,
+        });
+    }
+
     fn push(&mut self, position: DVec3, along_m: f64, normal: u32, fid: u32) -> u32 {
         self.vertices.push(MeshVertex {
             position: position.as_vec3().to_array(),

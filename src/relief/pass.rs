@@ -83,7 +83,7 @@ impl ReliefPass {
             .encode(encoder, resident, view, &frustum, &frame, targets, timed(0));
         match (mode, &self.polygons) {
             (ReliefMode::Polygons, Some(polygons)) => {
-                polygons.encode(gpu, encoder, view, &frame, targets, timed(1));
+                polygons.encode(gpu, encoder, view, &frustum, &frame, targets, timed(1));
             }
             (ReliefMode::Polygons, None) => drop(targets.begin_relief_pass(encoder, timed(1))),
             (ReliefMode::Exact, _) => {

@@ -5,10 +5,11 @@ use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::bindings::{FLOAT, UNIFORM, group_of, layout_of, texture};
-use super::mesh::{BuildingMesh, MeshVertex};
+use super::mesh::{BuildingMesh, MeshBlock, MeshVertex};
 use super::shaders::POLYGONS;
 use super::targets::ReliefTargets;
 use crate::gpu::{Gpu, GpuError, shader_module, uniform_buffer};
+use crate::scene::Frustum;
 use crate::space::View;
 
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -24,7 +25,7 @@ pub struct PolygonsPass {
     input_layout: wgpu::BindGroupLayout,
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
-    index_count: u32,
+    blocks: Vec<MeshBlock>,
     origin: DVec3,
 }
 
@@ -99,17 +100,19 @@ impl PolygonsPass {
                 bytemuck::cast_slice(&mesh.indices),
                 wgpu::BufferUsages::INDEX,
             )?,
-            index_count: mesh.indices.len() as u32,
+            blocks: mesh.blocks.clone(),
             origin,
         })
     }
 
-    /// Encodes the pass.
+    /// Encodes the pass: the blocks in view, the nearest first.
+    #[allow(clippy::too_many_arguments)]
     pub fn encode(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         view: &View,
+        frustum: &Frustum,
         frame: &wgpu::BindGroup,
         targets: &ReliefTargets,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
@@ -135,6 +138,18 @@ impl PolygonsPass {
         pass.set_bind_group(2, &input, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..self.index_count, 0, 0..1);
+        let mut blocks: Vec<&MeshBlock> = self
+            .blocks
+            .iter()
+            .filter(|block| frustum.sees(&block.bounds, block.range[0], block.range[1]))
+            .collect();
+        let eye = view.eye.truncate();
+        blocks.sort_by(|a, b| {
+            let away = |block: &MeshBlock| block.bounds.centre().distance_squared(eye);
+            away(a).total_cmp(&away(b))
+        });
+        for block in blocks {
+            pass.draw_indexed(block.indices.clone(), 0, 0..1);
+        }
     }
 }
