@@ -54,7 +54,7 @@ fn node_at(node: vec2<i32>, level: u32, slot_index: i32) -> vec4<u32> {
 }
 
 // Bound on the roofs of a node's child, in metres above the tile's lowest ground: (byte - 1) of these steps.
-fn step_of(slot: TileSlot) -> f32 { return max((slot.high - slot.low) / 254.0, 0.0); }
+fn step_of(slot: TileSlot) -> f32 { return max((slot.high - slot.low) / 253.99, 0.0); }
 
 fn child_byte(rows: vec4<u32>, child: vec2<i32>) -> u32 {
     let local = vec2<u32>(child) & vec2<u32>(3u);

@@ -23,8 +23,9 @@ pub struct Pyramid {
 
 /// Children along a node's side.
 const CHILDREN: usize = 4;
-/// Steps between the lowest and the highest elevation that a byte stands for.
-const STEPS: f32 = 254.0;
+/// Steps between the lowest and the highest elevation that a byte stands for: 254, and so much less that rounding cannot bring
+/// the last one under the highest roof. Twin: `step_of` in `shaders/lib/building_map.wgsl`.
+const STEPS: f32 = 253.99;
 
 impl Pyramid {
     /// Builds all levels. `low` is the tile's lowest ground, metres; a roof under it counts as high as it.
@@ -98,7 +99,12 @@ impl Pyramid {
     fn byte_of(&self, highest: f32) -> u8 {
         match highest {
             f32::NEG_INFINITY => 0,
-            _ => (1.0 + ((highest - self.low) / self.step_m().max(1e-9)).ceil()).clamp(1.0, 255.0) as u8,
+            _ => {
+                let byte =
+                    (1.0 + ((highest - self.low) / self.step_m().max(1e-9)).ceil()).clamp(1.0, 255.0) as u8;
+                // Rounding may have brought it a step too low.
+                byte.saturating_add(u8::from(self.bound_of(byte) < highest))
+            }
         }
     }
 
@@ -117,16 +123,19 @@ impl Pyramid {
         &self.nodes
     }
 
-    /// A bound on the roofs of one child (level 0: a texel), metres: no lower than the highest but for rounding (less than the
-    /// walk's `slack`), and at most a step above it; negative
+    fn bound_of(&self, byte: u8) -> f32 {
+        match byte {
+            0 => f32::NEG_INFINITY,
+            _ => self.low + (f32::from(byte) - 1.0) * self.step_m(),
+        }
+    }
+
+    /// A bound on the roofs of one child (level 0: a texel), metres: no lower than the highest, and at most a step above it; negative
     /// infinity where no building is.
     pub fn bound(&self, level: u32, column: usize, row: usize) -> f32 {
         let node = self.nodes[self.place(level, [column / CHILDREN, row / CHILDREN])];
         let byte = (node[row % CHILDREN] >> (8 * (column % CHILDREN))) & 255;
-        match byte {
-            0 => f32::NEG_INFINITY,
-            _ => self.low + (byte as f32 - 1.0) * self.step_m(),
-        }
+        self.bound_of(byte as u8)
     }
 }
 
@@ -174,8 +183,7 @@ mod tests {
                 }
                 for (child, &highest) in highest.iter().enumerate() {
                     let bound = pyramid.bound(level, child % children, child / children);
-                    let holds =
-                        highest == bound || (bound >= highest - 1e-3 && bound <= highest + step + 1e-3);
+                    let holds = highest == bound || (bound >= highest && bound <= highest + step + 1e-3);
                     assert!(
                         holds,
                         "side {side}, level {level}, child {child}: {bound} for {highest}"
