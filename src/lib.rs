@@ -3,7 +3,7 @@
 //! The modules stand in the order the data flows; each imports only what stands before it (`tests/flow.rs`).
 //!
 //! ```text
-//! DTM, footprints, photos ─▶ source ─▶ terrain ─┐
+//! DTM, footprints, orthophotos ─▶ source ─▶ terrain ─┐
 //!                                └───▶ buildings ┴▶ city ─▶ scene ─▶ relief ─▶ camera ─▶ output ─▶ cli
 //! ```
 
@@ -11,7 +11,7 @@
 pub mod space;
 /// Device, shaders, targets, read-back, timing.
 pub mod gpu;
-/// Georeferenced rasters, footprints and photos, read by GDAL and OGR.
+/// Georeferenced rasters, footprints and orthophotos, read by GDAL and OGR.
 pub mod source;
 /// The sample city's source files.
 pub mod sample;

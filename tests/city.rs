@@ -101,7 +101,7 @@ fn a_failed_import_leaves_the_old_city() {
 }
 
 #[test]
-fn an_edited_digital_map_is_not_lost() {
+fn an_edited_footprint_dataset_is_not_lost() {
     let folder = tempfile::tempdir().unwrap();
     let city = folder.path().join("city");
     let arguments = import_arguments(&sample().join("files"), &city);
@@ -192,10 +192,10 @@ fn the_pyramid_bounds_every_texel_and_words_name_real_buildings() {
         let Some(map) = city.buildings(tile).unwrap() else {
             continue;
         };
-        let pyramid = Pyramid::of(&map, map.lowest_base());
+        let pyramid = Pyramid::from_map(&map, map.lowest_base());
         let coarsest = (pyramid.top() - map.lowest_base()) / 253.99 + 1e-3;
         for (cell, &word) in map.cells.iter().enumerate() {
-            if CellKind::of(word) == CellKind::Empty {
+            if CellKind::from_code(word) == CellKind::Empty {
                 continue;
             }
             let (column, row) = ((cell % map.side) as i32, (cell / map.side) as i32);

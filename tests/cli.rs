@@ -40,7 +40,7 @@ fn errors_name_the_file_and_the_remedy() {
     let files = sample().join("files");
     let terrain = files.join("terrain.tif").display().to_string();
     let buildings = files.join("buildings.gpkg").display().to_string();
-    let photo = files.join("photo_0_0.tif").display().to_string();
+    let imagery = files.join("photo_0_0.tif").display().to_string();
     let out = path("city");
 
     let error = refused(&[
@@ -60,7 +60,7 @@ fn errors_name_the_file_and_the_remedy() {
     let error = refused(&[
         "import",
         "--terrain",
-        &photo,
+        &imagery,
         "--buildings",
         &buildings,
         "--out",

@@ -8,14 +8,14 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 use rilievo::camera::flare::{
-    Aperture, Blend, Diffraction, Fit, FlareMode, FlareRecipe, FlareSource, FlareTable, ImageTable, Pattern,
-    TableFile, fft_2d, flare_mesh, open_table, spectrum, table_from_photos, write_table,
+    Aperture, Blend, Diffraction, Fit, FlareMode, FlareParameters, FlareSource, FlareTable, ImageTable,
+    Pattern, TableFile, fft_2d, flare_mesh, open_table, spectrum, table_from_photos, write_table,
 };
 use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
 use rilievo::camera::{Ghost, Paraxial, Tracer, beam_direction};
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
-use rilievo::output::{FlarePicture, FlareRenderer, auto_exposure, developed, srgb, write_png};
+use rilievo::output::{FlarePicture, FlareRenderer, auto_exposure, srgb, tone_mapped, write_png};
 use rilievo::relief::{CpuMap, SUN_RADIUS, sun_visibility};
 
 const CIRCLE: Aperture = Aperture {
@@ -51,13 +51,13 @@ fn the_transform_is_the_direct_sum_and_keeps_energy() {
 /// First zero at 1.22 λ N (Airy 1835), for two wavelengths: its radius scales with the wavelength.
 #[test]
 fn a_round_opening_gives_airys_pattern() {
-    let diffraction = Diffraction::of(&CIRCLE, 1024, 12.0);
-    let middle = 512 * 1024 + 512;
+    let diffraction = Diffraction::from_aperture(&CIRCLE, 1024, 12.0);
+    let centre = 512 * 1024 + 512;
     let least = (8..22)
-        .min_by(|&a, &b| diffraction.power[middle + a].total_cmp(&diffraction.power[middle + b]))
+        .min_by(|&a, &b| diffraction.power[centre + a].total_cmp(&diffraction.power[centre + b]))
         .unwrap();
     // The amplitude goes through zero linearly: place it between the bins by its signed root.
-    let root = |k: usize| diffraction.power[middle + k].sqrt();
+    let root = |k: usize| diffraction.power[centre + k].sqrt();
     let (below, above) = (root(least - 1), root(least + 1));
     let zero = least as f64 - 1.0 + 2.0 * below / (below + above);
     for wavelength_um in [0.45, 0.65] {
@@ -80,8 +80,8 @@ fn spikes_by_blades() {
             ..CIRCLE
         };
         let side = 1024;
-        let diffraction = Diffraction::of(&aperture, side, 2.0);
-        // Power by direction, rings 40 to 250 bins from the middle, each weighted by its radius.
+        let diffraction = Diffraction::from_aperture(&aperture, side, 2.0);
+        // Power by direction, rings 40 to 250 bins from the centre, each weighted by its radius.
         let sectors = 720;
         let mut power = vec![0.0; sectors];
         for (k, value) in diffraction.power.iter().enumerate() {
@@ -121,13 +121,13 @@ fn lens(name: &str) -> Lens {
     built_in(name).unwrap().unwrap()
 }
 
-fn recipe<'a>(
+fn parameters<'a>(
     renderer: &'a FlareRenderer<'_>,
     lens: &'a Lens,
     source: &FlareSource,
     mode: FlareMode,
-) -> FlareRecipe<'a> {
-    FlareRecipe {
+) -> FlareParameters<'a> {
+    FlareParameters {
         lens,
         source: *source,
         mode,
@@ -143,19 +143,19 @@ fn recipe<'a>(
 fn draw(gpu: &Gpu, name: &str, source: &FlareSource, mode: FlareMode, only: Option<Ghost>) -> FlarePicture {
     let lens = lens(name);
     let renderer = FlareRenderer::new(gpu, &Aperture::default());
-    let recipe = FlareRecipe {
+    let parameters = FlareParameters {
         only,
-        ..recipe(&renderer, &lens, source, mode)
+        ..parameters(&renderer, &lens, source, mode)
     };
-    renderer.picture(&recipe, None, SIZE).unwrap()
+    renderer.picture(&parameters, None, SIZE).unwrap()
 }
 
 /// How near two flares come in 8 bits at the exposure of the first, dB.
 fn nearness(reference: &FlarePicture, tested: &FlarePicture) -> f64 {
     let exposure = auto_exposure(&reference.radiance);
     psnr(
-        &developed(&reference.radiance, exposure),
-        &developed(&tested.radiance, exposure),
+        &tone_mapped(&reference.radiance, exposure),
+        &tone_mapped(&tested.radiance, exposure),
     )
 }
 
@@ -210,11 +210,14 @@ fn the_table_comes_near_dense_exact_rays() {
         for angle in [1.0, 6.0, 13.0] {
             let dense = draw(&gpu, name, &source(angle, 8.0, 80), FlareMode::Exact, None);
             let lit = source(angle, 8.0, 36);
-            let played = FlareRecipe {
+            let evaluated = FlareParameters {
                 table: Some(table),
-                ..recipe(&renderer, &lens, &lit, FlareMode::Blended)
+                ..parameters(&renderer, &lens, &lit, FlareMode::Blended)
             };
-            all.push(nearness(&dense, &renderer.picture(&played, None, SIZE).unwrap()));
+            all.push(nearness(
+                &dense,
+                &renderer.picture(&evaluated, None, SIZE).unwrap(),
+            ));
         }
     }
     println!("{all:.2?} dB");
@@ -258,8 +261,8 @@ fn two_rays_draw_what_four_do() {
             .map(|mode| draw(&gpu, name, &source(4.0, 11.0, 2), mode, None));
         let exposure = auto_exposure(&four.radiance);
         let (a, b) = (
-            developed(&four.radiance, exposure),
-            developed(&two.radiance, exposure),
+            tone_mapped(&four.radiance, exposure),
+            tone_mapped(&two.radiance, exposure),
         );
         let differing = a.iter().zip(&b).filter(|(a, b)| a.abs_diff(**b) > 1).count();
         assert!(differing * 500 < a.len(), "{name}: {differing} values differ");
@@ -283,16 +286,17 @@ fn blends_pass_from_linear_to_nonlinear() {
     };
     let lit = source(8.0, 8.0, 24);
     let with = |mode, blend, only| {
-        let recipe = FlareRecipe {
+        let parameters = FlareParameters {
             blend,
             only,
-            ..recipe(&renderer, &lens, &lit, mode)
+            ..parameters(&renderer, &lens, &lit, mode)
         };
-        renderer.picture(&recipe, None, SIZE).unwrap()
+        renderer.picture(&parameters, None, SIZE).unwrap()
     };
     let mut between = 0;
     for ghost in rilievo::camera::single_crossing_ghosts(&lens) {
-        let Some(departure) = rilievo::camera::flare::nonlinearity(&lens, ghost, lit.angle, 8.0) else {
+        let Some(nonlinearity_error) = rilievo::camera::flare::nonlinearity(&lens, ghost, lit.angle, 8.0)
+        else {
             continue;
         };
         let [linear, nonlinear] = [FlareMode::Paraxial, FlareMode::Exact]
@@ -303,7 +307,7 @@ fn blends_pass_from_linear_to_nonlinear() {
             interpolated > 0.98 * low - 1e-6 && interpolated < 1.02 * high + 1e-6,
             "{ghost:?}: {interpolated} between {linear} and {nonlinear}"
         );
-        if departure > 0.01 {
+        if nonlinearity_error > 0.01 {
             let laid_over = with(FlareMode::Blended, Blend::Alpha, Some(ghost));
             let alone = with(FlareMode::Exact, Blend::Add, Some(ghost));
             // Where the nonlinear image covers, it is all that is seen; beside it the linear one stays.
@@ -315,7 +319,7 @@ fn blends_pass_from_linear_to_nonlinear() {
             let lit = alone.radiance.iter().filter(|rgb| rgb[1] > 0.0).count();
             println!("{ghost:?}: {off} of {lit} pixels off");
             assert!(off * 8 <= lit, "{ghost:?}: {off} of {lit}");
-        } else if departure > 0.002 {
+        } else if nonlinearity_error > 0.002 {
             between += 1;
         }
     }
@@ -332,14 +336,14 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
         wavelengths: 3,
         ..source(8.0, 8.0, 40)
     };
-    // Light, and its root mean square distance from its middle, over all triangles of the green channel.
+    // Light, and its root mean square distance from its centre, over all triangles of the green channel.
     let moments = |mode, fit, ghost| {
-        let recipe = FlareRecipe {
+        let parameters = FlareParameters {
             fit,
             only: Some(ghost),
-            ..recipe(&renderer, &lens, &lit, mode)
+            ..parameters(&renderer, &lens, &lit, mode)
         };
-        let mesh = flare_mesh(&recipe).unwrap();
+        let mesh = flare_mesh(&parameters).unwrap();
         let (mut light, mut first, mut second) = (0.0, DVec2::ZERO, 0.0);
         for triangle in mesh
             .added
@@ -353,14 +357,14 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
             if inside {
                 let area = 0.5 * (at[1] - at[0]).perp_dot(at[2] - at[0]).abs();
                 let share = area * f64::from(triangle[0].radiance[1]);
-                let middle = (at[0] + at[1] + at[2]) / 3.0;
+                let centre = (at[0] + at[1] + at[2]) / 3.0;
                 light += share;
-                first += share * middle;
-                second += share * middle.length_squared();
+                first += share * centre;
+                second += share * centre.length_squared();
             }
         }
-        let middle = first / light;
-        (light, (second / light - middle.length_squared()).sqrt())
+        let centre = first / light;
+        (light, (second / light - centre.length_squared()).sqrt())
     };
     let gap = Paraxial::new(&lens, D_LINE_UM, None).sensor_gap_mm();
     let paraxial = Paraxial::new(&lens, 0.51, Some(gap));
@@ -384,15 +388,15 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
                 fitted_off < 0.06,
                 "{ghost:?}: {spread} mm, ideal {ideal} mm, before {plain_spread} mm"
             );
-            // What the pupil lets in, less what the ray through its middle loses: irradiance 1 on its area, times 4 N² / π.
+            // What the pupil lets in, less what the ray through its centre loses: irradiance 1 on its area, times 4 N² / π.
             let pupil_middle = -matrices.ma.y_axis.x / matrices.ma.x_axis.x * lit.angle.tan();
             let tracer = Tracer::new(&lens, 0.51, gap);
-            let middle = tracer.trace(
+            let centre = tracer.trace(
                 Some(ghost),
                 DVec2::new(pupil_middle, 0.0),
                 beam_direction(lit.angle),
             );
-            let expected = middle.unwrap().power * 4.0 * (8.0 * pupil_mm).powi(2);
+            let expected = centre.unwrap().power * 4.0 * (8.0 * pupil_mm).powi(2);
             println!(
                 "{ghost:?}: light {:.3} of its linear image's, before {:.3}",
                 light / expected,
@@ -417,11 +421,11 @@ fn tables_of_images_play_what_was_recorded() {
     let lit = source(0.0, 8.0, 24);
     let drawn = |angle: f64, turn: f64, pattern| {
         let source = FlareSource { angle, turn, ..lit };
-        let recipe = FlareRecipe {
+        let parameters = FlareParameters {
             pattern,
-            ..recipe(&renderer, &lens, &source, FlareMode::Blended)
+            ..parameters(&renderer, &lens, &source, FlareMode::Blended)
         };
-        (recipe, source)
+        (parameters, source)
     };
     let (most, turns) = (0.3, 4);
     let base = drawn(0.0, 0.0, Pattern::Nonlinear).0;
@@ -432,8 +436,8 @@ fn tables_of_images_play_what_was_recorded() {
         .picture(&drawn(angle, turn, Pattern::Whole).0, None, SIZE)
         .unwrap();
     let linear = drawn(angle, turn, Pattern::Linear).0;
-    let played = renderer.picture(&linear, Some(&table), SIZE).unwrap();
-    let near = nearness(&whole, &played);
+    let evaluated = renderer.picture(&linear, Some(&table), SIZE).unwrap();
+    let near = nearness(&whole, &evaluated);
     println!("images: {near:.2} dB");
     assert!(near > 44.0, "{near} dB");
 
@@ -470,9 +474,12 @@ fn tables_of_images_play_what_was_recorded() {
     let path = folder.path().join("list.csv");
     std::fs::write(&path, list).unwrap();
     let photos = table_from_photos(&path, None, lens.film_mm[0], 1.0, false).unwrap();
-    let play = |degrees: f64, photos: &ImageTable| {
-        let recipe = drawn(degrees.to_radians(), 0.0, Pattern::Linear).0;
-        renderer.picture(&recipe, Some(photos), SIZE).unwrap().radiance
+    let evaluate = |degrees: f64, photos: &ImageTable| {
+        let parameters = drawn(degrees.to_radians(), 0.0, Pattern::Linear).0;
+        renderer
+            .picture(&parameters, Some(photos), SIZE)
+            .unwrap()
+            .radiance
     };
     let worst = |a: &[[f32; 3]], b: &[[f32; 3]]| {
         let pairs = a.iter().flatten().zip(b.iter().flatten());
@@ -480,15 +487,18 @@ fn tables_of_images_play_what_was_recorded() {
         off.sort_by(f32::total_cmp);
         off[off.len() * 995 / 1000]
     };
-    assert!(worst(&play(6.0, &photos), &shots[0]) < 0.01);
+    assert!(worst(&evaluate(6.0, &photos), &shots[0]) < 0.01);
     let half: Vec<[f32; 3]> = shots[0]
         .iter()
         .zip(&shots[1])
         .map(|(a, b)| [0, 1, 2].map(|k: usize| 0.5 * (a[k] + b[k])))
         .collect();
-    assert!(worst(&play(8.0, &photos), &half) < 0.01);
+    assert!(worst(&evaluate(8.0, &photos), &half) < 0.01);
     assert!(
-        play(12.0, &photos).iter().flatten().all(|&value| value == 0.0),
+        evaluate(12.0, &photos)
+            .iter()
+            .flatten()
+            .all(|&value| value == 0.0),
         "beyond the table"
     );
 }
@@ -536,9 +546,9 @@ fn a_ghost_keeps_its_light() {
         ] {
             let expected = entrance * 4.0 * f_number * f_number / PI;
             let lit = source(0.0, f_number, 96);
-            let only = FlareRecipe {
+            let only = FlareParameters {
                 only: Some(ghost),
-                ..recipe(&renderer, &lens, &lit, mode)
+                ..parameters(&renderer, &lens, &lit, mode)
             };
             let picture = renderer.picture(&only, None, SIZE).unwrap();
             let pixel_mm2 = (36.0 / f64::from(SIZE[0])).powi(2);
@@ -571,8 +581,8 @@ fn the_effective_pupil_changes_nothing_but_the_work() {
         );
         let exposure = auto_exposure(&whole.radiance);
         let (a, b) = (
-            developed(&clipped.radiance, exposure),
-            developed(&whole.radiance, exposure),
+            tone_mapped(&clipped.radiance, exposure),
+            tone_mapped(&whole.radiance, exposure),
         );
         let differing = a.iter().zip(&b).filter(|(a, b)| a.abs_diff(**b) > 1).count();
         println!(
@@ -606,11 +616,11 @@ fn the_sun_fades_softly_behind_a_roof() {
             continue;
         }
         while high - low > 1e-4 {
-            let middle = 0.5 * (low + high);
-            if share(middle) > 0.5 {
-                high = middle
+            let centre = 0.5 * (low + high);
+            if share(centre) > 0.5 {
+                high = centre
             } else {
-                low = middle
+                low = centre
             }
         }
         // Sixteen frames from just hidden to just free.

@@ -47,11 +47,11 @@ fn files_that_lie_elsewhere_are_named() {
     );
     let report = import_with(folder.path(), |arguments| {
         arguments.insert(3, elsewhere.clone());
-        let photo = 1 + arguments
+        let imagery = 1 + arguments
             .iter()
             .position(|argument| argument == "--photo")
             .unwrap();
-        arguments.insert(photo, elsewhere);
+        arguments.insert(imagery, elsewhere);
     });
     assert_eq!(
         report.matches("elsewhere.tif lies outside the city").count(),
@@ -84,11 +84,11 @@ fn heights_without_a_unit_in_a_crs_in_feet_are_remarked_on() {
             "--buildings-crs".to_owned(),
             crs,
         ]);
-        let photo = arguments
+        let imagery = arguments
             .iter()
             .position(|argument| argument == "--photo")
             .unwrap();
-        arguments.drain(photo..photo + 5);
+        arguments.drain(imagery..imagery + 5);
     };
     let report = import_with(folder.path(), in_feet);
     assert!(
@@ -108,17 +108,17 @@ fn a_photo_with_a_colour_table_keeps_its_colours() {
     let corner = [289_400.0, 4_773_100.0];
     let red = raster(folder.path().join("red.tif"), 32633, corner, Some([200, 30, 10]));
     import_with(folder.path(), |arguments| {
-        let photo = arguments
+        let imagery = arguments
             .iter()
             .position(|argument| argument == "--photo")
             .unwrap();
-        arguments.drain(photo + 1..photo + 5);
-        arguments.insert(photo + 1, red);
+        arguments.drain(imagery + 1..imagery + 5);
+        arguments.insert(imagery + 1, red);
     });
     let mut pixels = 0;
     for tile in std::fs::read_dir(folder.path().join("city/photo/0")).unwrap() {
-        let photo = gdal::Dataset::open(tile.unwrap().path()).unwrap();
-        let band = |index| photo.rasterband(index).unwrap().read_band_as::<u8>().unwrap();
+        let imagery = gdal::Dataset::open(tile.unwrap().path()).unwrap();
+        let band = |index| imagery.rasterband(index).unwrap().read_band_as::<u8>().unwrap();
         let bands = [band(1), band(2), band(3), band(4)];
         for (k, alpha) in bands[3].data().iter().enumerate() {
             if *alpha == 255 {

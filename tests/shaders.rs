@@ -82,7 +82,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "terrain_side" = terrain_side,
             "sample" = sample,
             "pixel_angle" = pixel_angle,
-            "photo_side" = photo_side,
+            "imagery_side" = imagery_side,
             "pyramid_width" = pyramid_width,
             "more_padding" = more_padding,
         ]
@@ -92,7 +92,7 @@ fn records_are_laid_out_alike_on_both_sides() {
         TileSlot,
         [
             "corner_base" = corner_base,
-            "piece_base" = piece_base,
+            "list_base" = list_base,
             "low" = low,
             "high" = high,
         ]
@@ -149,10 +149,10 @@ fn records_are_laid_out_alike_on_both_sides() {
         "SpriteFrame",
         SpriteFrame,
         [
-            "middle_mm" = middle_mm,
+            "centre_mm" = centre_mm,
             "half_mm" = half_mm,
             "turn" = turn,
-            "picture_half_mm" = picture_half_mm,
+            "image_half_mm" = image_half_mm,
             "radiance" = radiance,
             "padding" = padding,
         ]

@@ -1,4 +1,4 @@
-//! The irregular network keeps its promise on every sample of the sample city, costs far less than the grid, and leaves
+//! The TIN keeps its promise on every sample of the sample city, costs far less than the grid, and leaves
 //! no crack at any tile border.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -20,7 +20,7 @@ fn tiles() -> (City, Vec<(TileId, TerrainTile)>) {
     (city, tiles)
 }
 
-/// Vertical distance of every known sample from the network, by walking each triangle's samples; samples under no
+/// Vertical distance of every known sample from the tin, by walking each triangle's samples; samples under no
 /// triangle count as missed.
 fn errors(tile: &HeightTile, triangles: &[[u32; 3]]) -> (f64, usize) {
     let side = tile.side;
@@ -91,12 +91,9 @@ fn every_sample_is_within_the_stated_error() {
         tin += tile.triangles.len();
         grid += grid_triangles(&tile.ground).len();
     }
-    println!("triangles: network {tin}, grid {grid}");
+    println!("triangles: tin {tin}, grid {grid}");
     assert_eq!(tin as u64, city.manifest().terrain_triangles);
-    assert!(
-        tin * 20 < grid,
-        "the network has {tin} triangles, the grid {grid}"
-    );
+    assert!(tin * 20 < grid, "the tin has {tin} triangles, the grid {grid}");
 }
 
 /// Points (sample index along the border, height) of a tile's triangles on one border.

@@ -1,13 +1,13 @@
 // An image laid over the film and added to the picture: the sun with its starburst, or a recorded flare. Host: src/camera/flare/sprite.rs.
 
 struct SpriteFrame {
-    // Its middle and half its sides before the turn, millimetres of the sensor, x right and y up.
-    middle_mm: vec2<f32>,
+    // Its centre and half its sides before the turn, millimetres of the sensor, x right and y up.
+    centre_mm: vec2<f32>,
     half_mm: vec2<f32>,
-    // Cosine and sine of its turn about the middle of the film.
+    // Cosine and sine of its turn about the centre of the film.
     turn: vec2<f32>,
     // Half the picture, millimetres.
-    picture_half_mm: vec2<f32>,
+    image_half_mm: vec2<f32>,
     // Factor on the image's values.
     radiance: vec3<f32>,
     padding: f32,
@@ -25,11 +25,11 @@ struct SpriteVertex {
 @vertex
 fn vs(@builtin(vertex_index) index: u32) -> SpriteVertex {
     let corner = vec2<f32>(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
-    let at = sprite.middle_mm + sprite.half_mm * corner;
+    let at = sprite.centre_mm + sprite.half_mm * corner;
     let turned = vec2<f32>(sprite.turn.x * at.x - sprite.turn.y * at.y, sprite.turn.y * at.x + sprite.turn.x * at.y);
     // Rows of the image run from its top.
     let place = vec2<f32>(0.5 + 0.5 * corner.x, 0.5 - 0.5 * corner.y);
-    return SpriteVertex(vec4<f32>(turned / sprite.picture_half_mm, 0.0, 1.0), place);
+    return SpriteVertex(vec4<f32>(turned / sprite.image_half_mm, 0.0, 1.0), place);
 }
 
 @fragment

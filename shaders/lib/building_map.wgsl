@@ -1,11 +1,11 @@
-// The building map of all resident tiles. Twin: src/buildings/map.rs, which explains the words.
+// The building map of all resident tiles. Twin: src/buildings/map.rs, which explains the codes.
 
 // A record is read as one vector of 16 bytes: a software device reads each member of a structure on its own.
 struct TileSlot {
     // The tile's first outline corner in `corners`; its roofs stand before it, the first the nearest.
     corner_base: u32,
-    // The tile's first word in `pieces`.
-    piece_base: u32,
+    // The tile's first code in `lists`.
+    list_base: u32,
     // Lowest ground and highest roof, metres above the vertical datum.
     low: f32,
     high: f32,
@@ -19,7 +19,7 @@ struct Corner {
     fid: u32,
 }
 
-// Per grid tile: slot of its building map, layer of its photo; -1 = none.
+// Per grid tile: slot of its building map, layer of its orthophoto; -1 = none.
 @group(1) @binding(0) var tile_table: texture_2d<i32>;
 @group(1) @binding(1) var<storage, read> slots: array<vec4<u32>>;
 @group(1) @binding(2) var cells: texture_2d_array<u32>;
@@ -27,7 +27,7 @@ struct Corner {
 @group(1) @binding(3) var pyramid: texture_2d_array<u32>;
 // Edge e of an outline runs from corner e to e + 1.
 @group(1) @binding(4) var<storage, read> corners: array<vec4<u32>>;
-@group(1) @binding(5) var<storage, read> pieces: array<u32>;
+@group(1) @binding(5) var<storage, read> lists: array<u32>;
 // Metres along its outline, for every corner.
 @group(1) @binding(6) var<storage, read> along_outline: array<f32>;
 
@@ -68,8 +68,8 @@ const KIND_RUN: u32 = 2u;
 const KIND_LIST: u32 = 3u;
 const REFERENCE: vec2<f32> = vec2<f32>(0.4387, 0.5719);
 
-fn kind_of(word: u32) -> u32 { return word >> 30u; }
-fn index_of(word: u32) -> u32 { return word & 0xffffffu; }
-fn is_inside(word: u32) -> bool { return (word & 0x20000000u) != 0u; }
-fn has_more(word: u32) -> bool { return (word & 0x10000000u) != 0u; }
-fn edges_of(word: u32) -> u32 { return ((word >> 24u) & 15u) + 1u; }
+fn kind_of(code: u32) -> u32 { return code >> 30u; }
+fn index_of(code: u32) -> u32 { return code & 0xffffffu; }
+fn is_inside(code: u32) -> bool { return (code & 0x20000000u) != 0u; }
+fn has_more(code: u32) -> bool { return (code & 0x10000000u) != 0u; }
+fn edges_of(code: u32) -> u32 { return ((code >> 24u) & 15u) + 1u; }

@@ -31,9 +31,9 @@ struct Frame {
     terrain_side: u32,
     // Number of this sample, for stochastic shading; 0 draws without ambient rays.
     sample: u32,
-    // Angle of a pixel at the image's middle, radians.
+    // Angle of a pixel at the image's centre, radians.
     pixel_angle: f32,
-    photo_side: f32,
+    imagery_side: f32,
     // Width of the pyramid's image, nodes.
     pyramid_width: u32,
     more_padding: vec2<u32>,

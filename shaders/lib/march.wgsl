@@ -24,7 +24,7 @@ struct Hit {
 const ROOF: u32 = 0xffffffffu;
 const MISS: Hit = Hit(FAR, 0u, 0u, 0.0);
 // More steps than any walk needs; a guard against endless loops, not a limit on quality.
-const MOST_STEPS: u32 = 8192u;
+const MAX_STEPS: u32 = 8192u;
 
 fn make_ray(start: vec3<f32>, direction: vec3<f32>) -> Ray {
     let tiny = vec2<f32>(1.0e-9);
@@ -40,23 +40,23 @@ fn slack(t: f32) -> f32 { return 1.0e-3 + 2.0e-6 * t; }
 
 // First hit of the ray with the roofs and walls of one texel, between t0 and t1.
 // `start` is the ray's start in the tile's local coordinates.
-fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
+fn visit_cell(code: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
     var best = MISS;
     let from_t = t0 - slack(t0);
     let to_t = t1 + slack(t1);
     let reference = (vec2<f32>(cell) + REFERENCE) * frame.texel_m;
-    let is_list = kind_of(word) == KIND_LIST;
-    let list = slot.piece_base + index_of(word);
+    let is_list = kind_of(code) == KIND_LIST;
+    let list = slot.list_base + index_of(code);
     var count = 1u;
-    if is_list { count = pieces[list]; }
-    // The word of this turn, words read.
-    var w = word;
+    if is_list { count = lists[list]; }
+    // The code of this turn, codes read.
+    var w = code;
     var i = 0u;
-    // The record of this turn, edges left of the word's run, the corner before.
+    // The record of this turn, edges left of the code's run, the corner before.
     var index = 0u;
     var edges_left = 0u;
     var a = vec2<f32>(0.0);
-    // The outline that the word belongs to.
+    // The outline that the code belongs to.
     var continues = false;
     var roof = 0.0;
     var fid = 0u;
@@ -64,10 +64,10 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
     var meets_roof = false;
     var inside = false;
     var to_p = vec2<f32>(0.0);
-    // A turn reads one record: the first of a word, or the next corner of its run.
+    // A turn reads one record: the first of a code, or the next corner of its run.
     loop {
         let begins = edges_left == 0u;
-        if begins && is_list { w = pieces[list + 1u + i]; }
+        if begins && is_list { w = lists[list + 1u + i]; }
         let is_run = kind_of(w) == KIND_RUN;
         let first = select(roof_index(slot, index_of(w)), slot.corner_base + index_of(w), is_run);
         index = select(index + 1u, first, begins);
@@ -106,7 +106,7 @@ fn visit_cell(word: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
             edges_left -= 1u;
         }
         a = b;
-        // Past the outline's last edge in this texel; `continues`: the list's next word has more of it.
+        // Past the outline's last edge in this texel; `continues`: the list's next code has more of it.
         let past = edges_left == 0u && !(continues && i < count);
         if past && meets_roof && inside && t_roof < best.t { best = Hit(t_roof, fid, ROOF, 0.0); }
         continues = continues && !past;
@@ -203,7 +203,7 @@ fn next_texel(walk: ptr<function, Walk>, ray: Ray) {
             level = select(select(level, level + 1u, rises), max(level, 1u) - 1u, dips);
         }
         steps += 1u;
-        continuing { break if found || gone || steps >= MOST_STEPS; }
+        continuing { break if found || gone || steps >= MAX_STEPS; }
     }
     (*walk).t = t;
     (*walk).level = level;
@@ -223,12 +223,12 @@ fn walk_tile(slot_index: i32, slot: TileSlot, tile: vec2<i32>, ray: Ray, t0: f32
     loop {
         next_texel(&walk, ray);
         if walk.found {
-            let word = textureLoad(cells, walk.texel, slot_index, 0).x;
-            if word != 0u { hit = visit_cell(word, walk.texel, slot, ray, walk.start, walk.t, walk.t_past); }
+            let code = textureLoad(cells, walk.texel, slot_index, 0).x;
+            if code != 0u { hit = visit_cell(code, walk.texel, slot, ray, walk.start, walk.t, walk.t_past); }
             walk.t = walk.t_past;
         }
         visits += 1u;
-        continuing { break if hit.t < FAR || !walk.found || visits >= MOST_STEPS; }
+        continuing { break if hit.t < FAR || !walk.found || visits >= MAX_STEPS; }
     }
     return hit;
 }
@@ -276,7 +276,7 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
         tile += select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), t_border.x <= t_border.y);
         let gone = select((tile < vec2<i32>(0)), (tile >= frame.grid), forward);
         tiles += 1u;
-        continuing { break if hit.t < FAR || t >= end || any(gone) || tiles >= MOST_STEPS; }
+        continuing { break if hit.t < FAR || t >= end || any(gone) || tiles >= MAX_STEPS; }
     }
     return hit;
 }

@@ -10,8 +10,8 @@
 // that each pixel walks once and nothing is cut at a tile's border. What is left are the faces on the border of all tiles.
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
-// Metres without a building, per block of pixels (`beam.wgsl`).
-@group(2) @binding(1) var beam_distance: texture_2d<f32>;
+// Metres without a building, per block of pixels (`cone.wgsl`).
+@group(2) @binding(1) var cone_distance: texture_2d<f32>;
 
 // Corner `index` (0..36) of the two triangles of each of the volume's six faces, in 0..1; counter-clockwise seen
 // from outside.
@@ -47,16 +47,16 @@ fn vs_last(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 1.0e-12, 1.0);
 }
 
-// Twin: BEAM_PIXELS in src/relief/targets.rs.
-const BEAM_PIXELS: i32 = 8;
+// Twin: CONE_PIXELS in src/relief/targets.rs.
+const CONE_PIXELS: i32 = 8;
 
 // Bits of the distance, id, bits of the facade coordinate (metres along the outline), packed normal.
 @fragment
 fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec4<u32> {
     let ray = make_ray(vec3<f32>(0.0), ray_direction(position.xy));
     let t_ground = textureLoad(ground_distance, vec2<i32>(position.xy), 0).x;
-    let t_beam = textureLoad(beam_distance, vec2<i32>(position.xy) / BEAM_PIXELS, 0).x;
-    let hit = walk_city(ray, t_beam, t_ground);
+    let t_cone = textureLoad(cone_distance, vec2<i32>(position.xy) / CONE_PIXELS, 0).x;
+    let hit = walk_city(ray, t_cone, t_ground);
     // The face itself is never drawn: without a hit the surface stays at FAR, which shows nothing. It is not discarded,
     // so that its depth keeps the face behind it from walking the same ray again.
     if hit.t >= FAR { return vec4<u32>(bitcast<u32>(FAR), 0u, 0u, 0u); }

@@ -1,11 +1,11 @@
-// Lights what the passes before found: photo on ground and roofs, plain plaster on walls, sun with shadows, sky.
+// Lights what the passes before found: orthophoto on ground and roofs, plain plaster on walls, sun with shadows, sky.
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
 @group(2) @binding(1) var ground_normal: texture_2d<u32>;
 // Bits of the distance, id, bits of the facade coordinate, packed normal.
 @group(2) @binding(2) var relief_surface: texture_2d<u32>;
-@group(2) @binding(3) var photo: texture_2d_array<f32>;
-@group(2) @binding(4) var photo_sampler: sampler;
+@group(2) @binding(3) var imagery: texture_2d_array<f32>;
+@group(2) @binding(4) var imagery_sampler: sampler;
 
 struct Shaded {
     // Linear radiance.
@@ -24,16 +24,16 @@ fn random3(seed: vec3<u32>) -> vec3<f32> {
     return vec3<f32>(v >> vec3<u32>(8u)) / 16777216.0;
 }
 
-// Photo at an eye-relative place, linear; alpha 0 where there is none.
-fn photo_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
+// Imagery at an eye-relative place, linear; alpha 0 where there is none.
+fn imagery_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
     let place = (frame.eye_in_tile + plan) / frame.tile_m;
     let tile = frame.eye_tile + vec2<i32>(floor(place));
-    if any((tile < vec2<i32>(0))) || any((tile >= frame.grid)) || frame.photo_side <= 1.0 { return vec4<f32>(0.0); }
+    if any((tile < vec2<i32>(0))) || any((tile >= frame.grid)) || frame.imagery_side <= 1.0 { return vec4<f32>(0.0); }
     let layer = textureLoad(tile_table, tile, 0).y;
     if layer < 0 { return vec4<f32>(0.0); }
     let uv = fract(place);
-    let pixels = t * frame.pixel_angle * frame.photo_side / (frame.tile_m * sqrt(max(facing, 0.05)));
-    let colour = textureSampleLevel(photo, photo_sampler, vec2<f32>(uv.x, 1.0 - uv.y), layer, log2(max(pixels, 1.0)));
+    let pixels = t * frame.pixel_angle * frame.imagery_side / (frame.tile_m * sqrt(max(facing, 0.05)));
+    let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), layer, log2(max(pixels, 1.0)));
     return colour;
 }
 
@@ -61,7 +61,7 @@ fn is_open(at: vec3<f32>, normal: vec3<f32>, direction: vec3<f32>, reach: f32) -
     return walk_city(make_ray(start, direction), 0.0, reach).t >= FAR;
 }
 
-// Whether the sun's disc and the sky's half are sampled, one ray each; else one ray to the sun's middle. A constant of
+// Whether the sun's disc and the sky's half are sampled, one ray each; else one ray to the sun's centre. A constant of
 // the pipeline, because a software device runs both sides of a branch.
 override STOCHASTIC: bool = false;
 
@@ -84,14 +84,14 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         id = relief.y;
         normal = unpack_normal(relief.w);
         if normal.z > 0.5 {
-            let seen = photo_at(at.xy, t, abs(direction.z));
+            let seen = imagery_at(at.xy, t, abs(direction.z));
             albedo = mix(roof_colour(id), seen.rgb, seen.a);
         } else {
             albedo = wall_colour(id);
         }
     } else {
         normal = unpack_normal(textureLoad(ground_normal, pixel, 0).x);
-        let seen = photo_at(at.xy, t, abs(dot(direction, normal)));
+        let seen = imagery_at(at.xy, t, abs(dot(direction, normal)));
         albedo = mix(bare_ground(normal), seen.rgb, seen.a);
     }
     // Every pixel walks the same low-discrepancy sequence (R3: Roberts 2018) from a place of its own.

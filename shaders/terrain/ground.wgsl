@@ -1,5 +1,5 @@
 // The ground: lattice samples displaced by the DTM ("global vertex displacement", KR 10-0738500).
-// The vertex index is the sample's index; grid and irregular network differ in their index buffers alone.
+// The vertex index is the sample's index; grid and TIN differ in their index buffers alone.
 
 struct GroundTile {
     tile: vec2<i32>,
@@ -54,13 +54,13 @@ fn surface_at(place: vec2<f32>, layer: u32) -> Surface {
 }
 
 // Newton steps from the triangle to the DTM itself.
-const MOST_STEPS: i32 = 3;
+const MAX_STEPS: i32 = 3;
 // Good enough, metres.
 const NEAR_ENOUGH_M: f32 = 0.01;
 // Least loss of height above the ground per metre along the ray: below it the ray grazes and the triangle stays.
-const LEAST_CLOSING: f32 = 0.004;
+const MIN_CLOSING: f32 = 0.004;
 // Farthest from the triangle, metres along the ray.
-const MOST_CARRY_M: f32 = 40.0;
+const MAX_CARRY_M: f32 = 40.0;
 
 @fragment
 fn fs(in: GroundVertex) -> GroundSurface {
@@ -71,10 +71,10 @@ fn fs(in: GroundVertex) -> GroundSurface {
     var t = on_mesh;
     var surface = surface_at(in.place, in.layer);
     var above = in.at.z - surface.height;
-    for (var i = 0; i < MOST_STEPS; i += 1) {
+    for (var i = 0; i < MAX_STEPS; i += 1) {
         let closing = dot(surface.slope, direction.xy) - direction.z;
-        if abs(above) < NEAR_ENOUGH_M || closing < LEAST_CLOSING { break; }
-        t = clamp(t + above / closing, on_mesh - MOST_CARRY_M, on_mesh + MOST_CARRY_M);
+        if abs(above) < NEAR_ENOUGH_M || closing < MIN_CLOSING { break; }
+        t = clamp(t + above / closing, on_mesh - MAX_CARRY_M, on_mesh + MAX_CARRY_M);
         let at = direction * t;
         surface = surface_at(in.place + (at.xy - in.at.xy) / frame.terrain_step_m, in.layer);
         above = at.z - surface.height;

@@ -8,7 +8,7 @@ use crate::space::Bounds;
 /// A footprint that stands on the ground: everything the building map needs.
 #[derive(Clone, Debug)]
 pub struct Building {
-    /// Id in the digital map of record.
+    /// Id in the footprint dataset of record.
     pub fid: u32,
     /// Outline in the city's CRS, metres; the building is to the left of every ring.
     pub outline: MultiPolygon<f64>,

@@ -1,13 +1,13 @@
-//! What a building map holds and how its cell words are read.
+//! What a building map holds and how its cell codes are read.
 //!
-//! One `u32` word per texel:
+//! One `u32` code per texel:
 //!
 //! | bits 31-30 | meaning | the rest |
 //! |---|---|---|
 //! | 0 | no building | 0 |
 //! | 1 FULL | one roof covers the texel | bits 23-0: building |
 //! | 2 RUN | outline vertices first..first+edges are edges that touch the texel | see [`Run`] |
-//! | 3 LIST | several of the above | bits 23-0: offset into `pieces`: a count, then that many words |
+//! | 3 LIST | several of the above | bits 23-0: offset into `lists`: a count, then that many codes |
 //!
 //! A texel's reference point ([`BuildingMap::REFERENCE`]) lies inside the run's building when its INSIDE bit is
 //! set; any other point of the texel is inside when the segment to the reference crosses the run's edges an
@@ -20,12 +20,12 @@ pub struct BuildingMap {
     pub side: usize,
     /// Side of a texel, metres.
     pub texel_m: f32,
-    /// `side * side` words, row by row from the south.
+    /// `side * side` codes, row by row from the south.
     pub cells: Vec<u32>,
     /// Outline vertices; edge e runs from vertex e to e+1.
     pub vertices: Vec<OutlineVertex>,
-    /// Lists of words for texels that need more than one.
-    pub pieces: Vec<u32>,
+    /// Lists of codes for texels that need more than one.
+    pub lists: Vec<u32>,
     /// Buildings that touch the tile, by ascending id.
     pub roofs: Vec<RoofRecord>,
 }
@@ -50,7 +50,7 @@ pub struct RoofRecord {
     pub roof_m: f32,
     /// Lowest ground at the outline, metres.
     pub base_m: f32,
-    /// Id in the digital map of record.
+    /// Id in the footprint dataset of record.
     pub fid: u32,
 }
 
@@ -59,7 +59,7 @@ pub struct RoofRecord {
 pub struct Run {
     /// The texel's reference point is inside the building.
     pub inside: bool,
-    /// The next word of the list belongs to the same building.
+    /// The next code of the list belongs to the same building.
     pub more: bool,
     /// Number of edges, 1 to 16.
     pub edges: u32,
@@ -67,7 +67,7 @@ pub struct Run {
     pub first: u32,
 }
 
-/// A decoded cell word.
+/// A decoded cell code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellKind {
     /// No building.
@@ -76,7 +76,7 @@ pub enum CellKind {
     Full(u32),
     /// Outline edges of one building.
     Run(Run),
-    /// Offset into `pieces`.
+    /// Offset into `lists`.
     List(u32),
 }
 
@@ -84,28 +84,28 @@ const KIND_SHIFT: u32 = 30;
 const INSIDE_BIT: u32 = 1 << 29;
 const MORE_BIT: u32 = 1 << 28;
 const EDGES_SHIFT: u32 = 24;
-/// Indices in a word have 24 bits.
+/// Indices in a code have 24 bits.
 pub const INDEX_LIMIT: usize = 1 << 24;
 
 impl CellKind {
-    /// Reads a word.
-    pub fn of(word: u32) -> Self {
-        let index = word & (INDEX_LIMIT as u32 - 1);
-        match word >> KIND_SHIFT {
+    /// Reads a code.
+    pub fn from_code(code: u32) -> Self {
+        let index = code & (INDEX_LIMIT as u32 - 1);
+        match code >> KIND_SHIFT {
             0 => Self::Empty,
             1 => Self::Full(index),
             2 => Self::Run(Run {
-                inside: word & INSIDE_BIT != 0,
-                more: word & MORE_BIT != 0,
-                edges: ((word >> EDGES_SHIFT) & 15) + 1,
+                inside: code & INSIDE_BIT != 0,
+                more: code & MORE_BIT != 0,
+                edges: ((code >> EDGES_SHIFT) & 15) + 1,
                 first: index,
             }),
             _ => Self::List(index),
         }
     }
 
-    /// Writes a word.
-    pub fn word(self) -> u32 {
+    /// Writes a code.
+    pub fn code(self) -> u32 {
         match self {
             Self::Empty => 0,
             Self::Full(building) => (1 << KIND_SHIFT) | building,
@@ -122,17 +122,17 @@ impl CellKind {
 }
 
 impl BuildingMap {
-    /// Where in a texel the parity of its outline is known, in texels from its south-west corner. Off the middle
+    /// Where in a texel the parity of its outline is known, in texels from its south-west corner. Off the centre
     /// and off the diagonals, because real outlines like to run through those.
     pub const REFERENCE: [f32; 2] = [0.4387, 0.5719];
 
     /// Farther from sea level than any ground or roof that an import lets in, metres.
-    const MOST_ELEVATION_M: f32 = 100_000.0;
+    const MAX_ELEVATION_M: f32 = 100_000.0;
 
-    /// Bytes that the map takes on the GPU without its pyramid: a word a texel and a piece; a record of 16 bytes and a length
+    /// Bytes that the map takes on the GPU without its pyramid: a code a texel and a list; a record of 16 bytes and a length
     /// along the outline for every vertex and roof.
     pub fn bytes(&self) -> usize {
-        4 * (self.cells.len() + self.pieces.len()) + 20 * (self.vertices.len() + self.roofs.len())
+        4 * (self.cells.len() + self.lists.len()) + 20 * (self.vertices.len() + self.roofs.len())
     }
 
     /// Lowest ground under the tile's buildings, metres; infinity without buildings.
@@ -143,21 +143,21 @@ impl BuildingMap {
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// The words of a cell: itself, or its list.
-    pub fn words(&self, word: u32) -> &[u32] {
-        match CellKind::of(word) {
+    /// The codes of a cell: itself, or its list.
+    pub fn codes(&self, code: u32) -> &[u32] {
+        match CellKind::from_code(code) {
             CellKind::List(offset) => {
                 let offset = offset as usize;
-                let count = self.pieces.get(offset).map_or(0, |&count| count as usize);
-                self.pieces.get(offset + 1..offset + 1 + count).unwrap_or(&[])
+                let count = self.lists.get(offset).map_or(0, |&count| count as usize);
+                self.lists.get(offset + 1..offset + 1 + count).unwrap_or(&[])
             }
             _ => &[],
         }
     }
 
-    /// Building of a word that is a run or full.
-    pub fn building_of(&self, word: u32) -> Option<u32> {
-        match CellKind::of(word) {
+    /// Building of a code that is a run or full.
+    pub fn building_of(&self, code: u32) -> Option<u32> {
+        match CellKind::from_code(code) {
             CellKind::Full(building) => Some(building),
             CellKind::Run(run) => Some(self.vertices.get(run.first as usize)?.building),
             _ => None,
@@ -166,22 +166,22 @@ impl BuildingMap {
 
     /// The building whose roof shows at a texel's reference point, the highest first; none on open ground.
     pub fn roof_at_reference(&self, cell: usize) -> Option<u32> {
-        let word = self.cells[cell];
-        let single = [word];
-        let words = match CellKind::of(word) {
-            CellKind::List(_) => self.words(word),
+        let code = self.cells[cell];
+        let single = [code];
+        let codes = match CellKind::from_code(code) {
+            CellKind::List(_) => self.codes(code),
             _ => &single[..],
         };
         let mut best: Option<u32> = None;
         let mut continued = false;
-        for &word in words {
-            let covers = match CellKind::of(word) {
+        for &code in codes {
+            let covers = match CellKind::from_code(code) {
                 CellKind::Full(_) => true,
                 CellKind::Run(run) => run.inside && !continued,
                 _ => false,
             };
-            continued = matches!(CellKind::of(word), CellKind::Run(run) if run.more);
-            let Some(building) = self.building_of(word).filter(|_| covers) else {
+            continued = matches!(CellKind::from_code(code), CellKind::Run(run) if run.more);
+            let Some(building) = self.building_of(code).filter(|_| covers) else {
                 continue;
             };
             let roof = |index: u32| self.roofs[index as usize].roof_m;
@@ -194,58 +194,58 @@ impl BuildingMap {
 
     /// Highest roof that touches a texel, metres; negative infinity on open ground.
     pub fn highest_roof(&self, cell: usize) -> f32 {
-        let word = self.cells[cell];
-        let roof = |word: u32| {
-            self.building_of(word)
+        let code = self.cells[cell];
+        let roof = |code: u32| {
+            self.building_of(code)
                 .and_then(|building| self.roofs.get(building as usize))
                 .map_or(f32::NEG_INFINITY, |record| record.roof_m)
         };
-        match CellKind::of(word) {
+        match CellKind::from_code(code) {
             CellKind::List(_) => self
-                .words(word)
+                .codes(code)
                 .iter()
-                .map(|&word| roof(word))
+                .map(|&code| roof(code))
                 .fold(f32::NEG_INFINITY, f32::max),
-            _ => roof(word),
+            _ => roof(code),
         }
     }
 
     /// True when every index in the map points inside it: a damaged tile must not reach the shader.
     pub fn is_sound(&self) -> bool {
-        let sound_word = |word: u32| match CellKind::of(word) {
+        let sound_code = |code: u32| match CellKind::from_code(code) {
             CellKind::Empty => false,
             CellKind::Full(building) => (building as usize) < self.roofs.len(),
             CellKind::Run(run) => ((run.first + run.edges) as usize) < self.vertices.len(),
             CellKind::List(_) => false,
         };
-        let sound_cell = |word: u32| match CellKind::of(word) {
-            CellKind::Empty => word == 0,
+        let sound_cell = |code: u32| match CellKind::from_code(code) {
+            CellKind::Empty => code == 0,
             CellKind::List(offset) => {
-                let count = self.pieces.get(offset as usize).copied().unwrap_or(u32::MAX);
-                let words = self.words(word);
-                let ends = |pair: &[u32]| match (CellKind::of(pair[0]), CellKind::of(pair[1])) {
+                let count = self.lists.get(offset as usize).copied().unwrap_or(u32::MAX);
+                let codes = self.codes(code);
+                let ends = |pair: &[u32]| match (CellKind::from_code(pair[0]), CellKind::from_code(pair[1])) {
                     (CellKind::Run(run), next) if run.more => {
                         matches!(next, CellKind::Run(_))
                             && self.building_of(pair[0]) == self.building_of(pair[1])
                     }
                     _ => true,
                 };
-                !words.is_empty()
-                    && words.len() == count as usize
-                    && words.iter().all(|&word| sound_word(word))
-                    && words.windows(2).all(ends)
+                !codes.is_empty()
+                    && codes.len() == count as usize
+                    && codes.iter().all(|&code| sound_code(code))
+                    && codes.windows(2).all(ends)
             }
-            _ => sound_word(word),
+            _ => sound_code(code),
         };
         self.side.is_power_of_two()
             && self.cells.len() == self.side * self.side
-            && self.cells.iter().all(|&word| sound_cell(word))
+            && self.cells.iter().all(|&code| sound_cell(code))
             && self
                 .vertices
                 .iter()
                 .all(|vertex| (vertex.building as usize) < self.roofs.len())
             && self.roofs.iter().all(|roof| {
-                roof.roof_m.abs() < Self::MOST_ELEVATION_M && roof.base_m.abs() < Self::MOST_ELEVATION_M
+                roof.roof_m.abs() < Self::MAX_ELEVATION_M && roof.base_m.abs() < Self::MAX_ELEVATION_M
             })
     }
 }
@@ -273,7 +273,7 @@ mod tests {
             }),
             CellKind::List(9_999_999),
         ] {
-            assert_eq!(CellKind::of(kind.word()), kind);
+            assert_eq!(CellKind::from_code(kind.code()), kind);
         }
     }
 }

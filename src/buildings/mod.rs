@@ -1,4 +1,4 @@
-//! The building map: footprints rasterised per tile, with the exact outline piece in every texel an outline
+//! The building map: footprints rasterised per tile, with the exact outline list in every texel an outline
 //! crosses (DESIGN: the building map). Change a footprint and only its texels change.
 
 mod base;

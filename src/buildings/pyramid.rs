@@ -29,7 +29,7 @@ const STEPS: f32 = 253.99;
 
 impl Pyramid {
     /// Builds all levels. `low` is the tile's lowest ground, metres; a roof under it counts as high as it.
-    pub fn of(map: &BuildingMap, low: f32) -> Self {
+    pub fn from_map(map: &BuildingMap, low: f32) -> Self {
         let mut below: Vec<f32> = (0..map.cells.len()).map(|cell| map.highest_roof(cell)).collect();
         let high = below.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let mut pyramid = Self {
@@ -151,16 +151,16 @@ mod tests {
             base_m: 31.0,
             fid: k + 1,
         });
-        let word = |cell: usize| match cell.wrapping_mul(2_654_435_761) >> 7 {
-            scattered if scattered % 3 == 0 => CellKind::Full(scattered as u32 % 17).word(),
+        let code = |cell: usize| match cell.wrapping_mul(2_654_435_761) >> 7 {
+            scattered if scattered % 3 == 0 => CellKind::Full(scattered as u32 % 17).code(),
             _ => 0,
         };
         BuildingMap {
             side,
             texel_m: 1.0,
-            cells: (0..side * side).map(word).collect(),
+            cells: (0..side * side).map(code).collect(),
             vertices: Vec::new(),
-            pieces: Vec::new(),
+            lists: Vec::new(),
             roofs: roofs.collect(),
         }
     }
@@ -170,7 +170,7 @@ mod tests {
         for side in (1..=9).map(|k| 1_usize << k) {
             let map = scattered(side);
             let low = map.lowest_base();
-            let pyramid = Pyramid::of(&map, low);
+            let pyramid = Pyramid::from_map(&map, low);
             let step = (pyramid.top() - low) / STEPS;
             for level in 0..=Pyramid::top_level(side) {
                 let children = side >> (2 * level);

@@ -8,7 +8,7 @@ use super::map::{INDEX_LIMIT, OutlineVertex, RoofRecord};
 use super::{Building, BuildingMap, CellKind, Run};
 use crate::space::Bounds;
 
-/// A tile holds more outline than a word can index.
+/// A tile holds more outline than a code can index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("more than 16 million outline vertices in one tile; use smaller texels (--texel)")]
 pub struct MapTooLarge;
@@ -222,24 +222,24 @@ impl Work {
             .iter()
             .map(|&building| match building {
                 u32::MAX => 0,
-                building => CellKind::Full(building).word(),
+                building => CellKind::Full(building).code(),
             })
             .collect();
-        let mut pieces = Vec::new();
+        let mut lists = Vec::new();
         for group in self.touches.chunk_by(|a, b| a.cell == b.cell) {
             let cell = group[0].cell;
-            let words = self.words_of(cell, group);
-            cells[cell as usize] = match words.as_slice() {
+            let codes = self.codes_of(cell, group);
+            cells[cell as usize] = match codes.as_slice() {
                 [] => cells[cell as usize],
-                [word] => *word,
-                words => {
-                    let offset = pieces.len();
-                    if offset + words.len() >= INDEX_LIMIT {
+                [code] => *code,
+                codes => {
+                    let offset = lists.len();
+                    if offset + codes.len() >= INDEX_LIMIT {
                         return Err(MapTooLarge);
                     }
-                    pieces.push(words.len() as u32);
-                    pieces.extend_from_slice(words);
-                    CellKind::List(offset as u32).word()
+                    lists.push(codes.len() as u32);
+                    lists.extend_from_slice(codes);
+                    CellKind::List(offset as u32).code()
                 }
             };
         }
@@ -248,21 +248,21 @@ impl Work {
             texel_m: self.texel_m as f32,
             cells,
             vertices: self.vertices,
-            pieces,
+            lists,
             roofs: self.roofs,
         })
     }
 
-    /// The words of one crossed texel: the roof that covers it all, if any, and what rises above that.
-    fn words_of(&self, cell: u32, touches: &[Touch]) -> Vec<u32> {
+    /// The codes of one crossed texel: the roof that covers it all, if any, and what rises above that.
+    fn codes_of(&self, cell: u32, touches: &[Touch]) -> Vec<u32> {
         let full = self.full[cell as usize];
         let hidden_below = match full {
             u32::MAX => f32::NEG_INFINITY,
             building => self.roofs[building as usize].roof_m,
         };
-        let mut words = Vec::new();
+        let mut codes = Vec::new();
         if full != u32::MAX {
-            words.push(CellKind::Full(full).word());
+            codes.push(CellKind::Full(full).code());
         }
         for group in touches.chunk_by(|a, b| a.building == b.building) {
             let building = group[0].building;
@@ -270,26 +270,26 @@ impl Work {
                 continue;
             }
             let inside = self.inside.binary_search(&(cell, building)).is_ok();
-            let first_word = words.len();
+            let first_code = codes.len();
             for run in group.chunk_by(|a, b| b.edge == a.edge + 1) {
                 for part in run.chunks(16) {
-                    words.push(
+                    codes.push(
                         CellKind::Run(Run {
                             inside,
                             more: true,
                             edges: part.len() as u32,
                             first: part[0].edge,
                         })
-                        .word(),
+                        .code(),
                     );
                 }
             }
-            if let Some(last) = words[first_word..].last_mut()
-                && let CellKind::Run(run) = CellKind::of(*last)
+            if let Some(last) = codes[first_code..].last_mut()
+                && let CellKind::Run(run) = CellKind::from_code(*last)
             {
-                *last = CellKind::Run(Run { more: false, ..run }).word();
+                *last = CellKind::Run(Run { more: false, ..run }).code();
             }
         }
-        words
+        codes
     }
 }

@@ -3,7 +3,7 @@
 use super::shaders::{ACCUMULATE, TONEMAP};
 use crate::gpu::{Gpu, Target, color_target, fullscreen_pipeline, shader_module, uniform_buffer};
 
-/// Two sums that take turns, and the developed picture.
+/// Two sums that take turns, and the tone_mapped picture.
 pub struct Develop {
     accumulate: wgpu::RenderPipeline,
     tonemap: wgpu::RenderPipeline,

@@ -11,12 +11,12 @@ use super::trace::{Tracer, beam_direction};
 
 /// Rays in a beam.
 const RAYS: i32 = 7;
-/// Colour of each beam: axis, middle, edge of the field.
+/// Colour of each beam: axis, centre, edge of the field.
 const COLOURS: [&str; 3] = ["#c0392b", "#2471a3", "#1e8449"];
 /// Blank space round the drawing, millimetres.
 const MARGIN_MM: f64 = 4.0;
 
-/// The drawing, in millimetres. With a ghost, its rays at the middle angle alone. `angles` in radians.
+/// The drawing, in millimetres. With a ghost, its rays at the centre angle alone. `angles` in radians.
 pub fn lens_diagram(lens: &Lens, wavelength_um: f64, angles: &[f64], ghost: Option<Ghost>) -> String {
     let paraxial = Paraxial::new(lens, wavelength_um, None);
     let vertices = vertex_places(lens);
@@ -78,7 +78,7 @@ pub fn lens_diagram(lens: &Lens, wavelength_um: f64, angles: &[f64], ghost: Opti
     for way in ways {
         for (angle, colour) in angles.iter().zip(COLOURS.iter().cycle()) {
             let colour = if way.is_some() { "#d68910" } else { colour };
-            // Aim at the pupil: what the stop lets through, by the paraxial image of its middle.
+            // Aim at the pupil: what the stop lets through, by the paraxial image of its centre.
             let ma = paraxial.matrices(way).ma;
             let aim = -ma.y_axis.x * angle.tan() / ma.x_axis.x;
             let reach = if way.is_some() {

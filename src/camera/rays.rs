@@ -81,7 +81,7 @@ const OPEN_MM: f32 = 1e30;
 /// Rays of a workgroup; the shader's `workgroup_size`.
 const GROUP: u32 = 64;
 /// Most bytes of rays at a time.
-const MOST_BYTES: u64 = 64 << 20;
+const MAX_BYTES: u64 = 64 << 20;
 
 /// The pipeline.
 pub struct RayPass {
@@ -116,11 +116,10 @@ impl RayPass {
     ) -> Result<Vec<Vec<Option<TracedRay>>>, GpuError> {
         let side = side.max(2);
         let limits = gpu.device.limits();
-        let most_bytes = MOST_BYTES.min(limits.max_storage_buffer_binding_size);
+        let max_bytes = MAX_BYTES.min(limits.max_storage_buffer_binding_size);
         let each = (side * side * size_of::<RayRecord>()) as u64;
-        gpu.require("a grid of rays", each, most_bytes)?;
-        let at_once =
-            (most_bytes / each).min(u64::from(limits.max_compute_workgroups_per_dimension)) as usize;
+        gpu.require("a grid of rays", each, max_bytes)?;
+        let at_once = (max_bytes / each).min(u64::from(limits.max_compute_workgroups_per_dimension)) as usize;
         let mut grids = Vec::with_capacity(bundles.len());
         for part in bundles.chunks(at_once.max(1)) {
             let records = self.trace_part(gpu, lens, sensor_gap_mm, part, side)?;

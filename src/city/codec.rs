@@ -1,13 +1,13 @@
 //! The three tile kinds as TIFF files.
 //!
 //! Terrain: page 1 heights (f32, samples on the tile's border included, so the raster reaches half a pixel beyond
-//! the tile), page 2 the triangles of the irregular network (u32, 3 sample indices a row).
+//! the tile), page 2 the triangles of the TIN (u32, 3 sample indices a row).
 //!
-//! Buildings: page 1 roof elevation and page 2 building id per texel (what a GIS shows), page 3 the cell words,
+//! Buildings: page 1 roof elevation and page 2 building id per texel (what a GIS shows), page 3 the  cell codes,
 //! page 4 outline vertices (x, y, along, building; f32, the building's bits as they are), page 5 piece lists,
 //! page 6 roofs (roof, base, fid as u32 bits).
 //!
-//! Photo: one RGBA page.
+//! Imagery: one RGBA page.
 
 use std::path::Path;
 
@@ -22,16 +22,16 @@ use crate::terrain::HeightTile;
 pub struct TerrainTile {
     /// Heights.
     pub ground: HeightTile,
-    /// Triangles of the irregular network, as sample indices.
+    /// Triangles of the TIN, as sample indices.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Photo of one tile.
+/// Imagery of one tile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PhotoTile {
+pub struct ImageryTile {
     /// Pixels along a side.
     pub side: usize,
-    /// RGBA, rows from the north; alpha 0 without photo.
+    /// RGBA, rows from the north; alpha 0 without orthophoto.
     pub rgba: Vec<u8>,
 }
 
@@ -132,7 +132,7 @@ pub fn write_buildings(
         raster(Pixels::Word(flipped(&fids.collect::<Vec<_>>(), map.side))),
         raster(Pixels::Word(flipped(&map.cells, map.side))),
         table(4, padded(vertices.collect(), 4)),
-        table(1, padded(map.pieces.clone(), 1)),
+        table(1, padded(map.lists.clone(), 1)),
         table(3, padded(records.collect(), 3)),
     ];
     write(path, &pages, keys)
@@ -150,7 +150,7 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
         values.truncate(values.len() - columns);
         Ok(values)
     };
-    let (vertices, pieces, roofs) = (table(4)?, table(1)?, table(3)?);
+    let (vertices, lists, roofs) = (table(4)?, table(1)?, table(3)?);
     let (vertices, _) = vertices.as_chunks::<4>();
     let (roofs, _) = roofs.as_chunks::<3>();
     let map = BuildingMap {
@@ -166,7 +166,7 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
                 building,
             })
             .collect(),
-        pieces,
+        lists,
         roofs: roofs
             .iter()
             .map(|&[roof, base, fid]| RoofRecord {
@@ -182,19 +182,24 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
     Ok(map)
 }
 
-/// Writes a photo tile.
-pub fn write_photo(path: &Path, bounds: &Bounds, photo: &PhotoTile, keys: &GeoKeys) -> Result<(), CityError> {
-    let pixel_m = bounds.width() / photo.side as f64;
+/// Writes a orthophoto tile.
+pub fn write_imagery(
+    path: &Path,
+    bounds: &Bounds,
+    imagery: &ImageryTile,
+    keys: &GeoKeys,
+) -> Result<(), CityError> {
+    let pixel_m = bounds.width() / imagery.side as f64;
     let page = Page {
-        size: [photo.side, photo.side],
-        pixels: Pixels::Rgba(photo.rgba.clone()),
+        size: [imagery.side, imagery.side],
+        pixels: Pixels::Rgba(imagery.rgba.clone()),
         georeference: Some([bounds.west, bounds.north, pixel_m]),
     };
     write(path, &[page], keys)
 }
 
-/// Reads a photo tile of `side` pixels.
-pub fn read_photo(path: &Path, side: usize) -> Result<PhotoTile, CityError> {
+/// Reads a orthophoto tile of `side` pixels.
+pub fn read_imagery(path: &Path, side: usize) -> Result<ImageryTile, CityError> {
     let rgba = PageReader::open(path)?.rgba([Some(side), Some(side)])?;
-    Ok(PhotoTile { side, rgba })
+    Ok(ImageryTile { side, rgba })
 }

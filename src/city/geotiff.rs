@@ -42,7 +42,7 @@ pub struct GeoKeys {
 
 impl GeoKeys {
     /// Keys of a projected CRS: its EPSG code, or its ESRI WKT as GDAL reads it back.
-    pub fn of(crs: &Crs) -> Result<Self, CityError> {
+    pub fn from_crs(crs: &Crs) -> Result<Self, CityError> {
         const MODEL_PROJECTED: u16 = 1;
         const RASTER_PIXEL_IS_AREA: u16 = 1;
         const USER_DEFINED: u16 = 32767;

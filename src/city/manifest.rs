@@ -29,21 +29,23 @@ pub struct Manifest {
     pub terrain_side: usize,
     /// Bound on the mesh's vertical error, metres.
     pub terrain_error_m: f64,
-    /// Pixels along a photo tile's side, 0 without photos.
-    pub photo_side: usize,
+    /// Pixels along a orthophoto tile's side, 0 without orthophotos.
+    #[serde(rename = "photo_side")]
+    pub imagery_side: usize,
     /// Levels of the tile quadtree present (1 = level 0 only).
     pub levels: u32,
     /// Terrain tiles on disk.
     pub terrain_tiles: u64,
     /// Building-map tiles on disk.
     pub building_tiles: u64,
-    /// Photo tiles on disk.
-    pub photo_tiles: u64,
-    /// Buildings in the digital map.
+    /// Imagery tiles on disk.
+    #[serde(rename = "photo_tiles")]
+    pub imagery_tiles: u64,
+    /// Buildings in the footprint dataset.
     pub buildings: u64,
     /// Height of buildings without one, metres.
     pub default_height_m: f64,
-    /// Triangles of the terrain's irregular network, all tiles.
+    /// Triangles of the terrain's TIN, all tiles.
     pub terrain_triangles: u64,
     /// Triangles of the regular grid, all tiles.
     pub grid_triangles: u64,
@@ -51,7 +53,7 @@ pub struct Manifest {
     pub building_map_bytes: u64,
     /// Bytes of the same buildings as walls and roofs of indexed triangles.
     pub triangle_bytes: u64,
-    /// Where on the globe the middle of the city is.
+    /// Where on the globe the centre of the city is.
     pub place: Place,
     /// The tile grid.
     pub grid: TileGrid,
@@ -66,7 +68,7 @@ pub struct Manifest {
 /// One source file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SourceRecord {
-    /// `terrain`, `buildings` or `photo`.
+    /// `terrain`, `buildings` or `orthophoto`.
     pub role: String,
     /// File name as given.
     pub path: String,

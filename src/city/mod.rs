@@ -9,7 +9,7 @@ mod manifest;
 mod staging;
 mod store;
 
-pub use codec::{PhotoTile, TerrainTile};
+pub use codec::{ImageryTile, TerrainTile};
 pub use error::CityError;
 pub use import::{ImportOptions, ImportReport, import};
 pub use manifest::{Manifest, SourceRecord};

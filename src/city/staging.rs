@@ -13,12 +13,12 @@ pub struct Staging {
     target: PathBuf,
 }
 
-const RECIPE: &str = "import.recipe";
+const CACHE_KEY: &str = "import.cache_key";
 
 impl Staging {
-    /// Opens the staging folder of `target`. Tiles left by an import with the same `recipe` (its options and its
+    /// Opens the staging folder of `target`. Tiles left by an import with the same `cache_key` (its options and its
     /// sources' sizes and times) are kept, others removed.
-    pub fn open(target: &Path, recipe: &str) -> Result<Self, CityError> {
+    pub fn open(target: &Path, cache_key: &str) -> Result<Self, CityError> {
         if target.exists() && !target.join("city.toml").is_file() {
             let occupied =
                 !target.is_dir() || fs::read_dir(target).is_ok_and(|mut entries| entries.next().is_some());
@@ -43,11 +43,11 @@ impl Staging {
         }
         name.push(".partial");
         let folder = target.with_file_name(name);
-        let recipe_path = folder.join(RECIPE);
+        let cache_key_path = folder.join(CACHE_KEY);
         refuse_foreign(
             &folder,
             &[
-                RECIPE,
+                CACHE_KEY,
                 "city.toml",
                 "buildings.gpkg",
                 "buildings.gpkg-journal",
@@ -56,14 +56,14 @@ impl Staging {
                 "photo",
             ],
         )?;
-        if folder.exists() && fs::read_to_string(&recipe_path).ok().as_deref() != Some(recipe) {
+        if folder.exists() && fs::read_to_string(&cache_key_path).ok().as_deref() != Some(cache_key) {
             fs::remove_dir_all(&folder).map_err(CityError::file(&folder))?;
         }
         for layer in ["terrain/0", "buildings/0", "photo/0"] {
             let path = folder.join(layer);
             fs::create_dir_all(&path).map_err(CityError::file(&path))?;
         }
-        fs::write(&recipe_path, recipe).map_err(CityError::file(&recipe_path))?;
+        fs::write(&cache_key_path, cache_key).map_err(CityError::file(&cache_key_path))?;
         Ok(Self {
             folder,
             target: target.to_owned(),
@@ -78,8 +78,8 @@ impl Staging {
     /// Makes the city durable and puts it in place in one step, in exchange for an older one.
     pub fn finish(self) -> Result<(), CityError> {
         refuse_edited(&self.target)?;
-        let recipe = self.folder.join(RECIPE);
-        fs::remove_file(&recipe).map_err(CityError::file(&recipe))?;
+        let cache_key = self.folder.join(CACHE_KEY);
+        fs::remove_file(&cache_key).map_err(CityError::file(&cache_key))?;
         sync(&self.folder)?;
         if self.target.join("city.toml").is_file() {
             exchange(&self.folder, &self.target)?;
@@ -117,7 +117,7 @@ fn refuse_foreign(folder: &Path, own: &[&str]) -> Result<(), CityError> {
     Ok(())
 }
 
-/// Refuses to replace a digital map that was changed after the city was made (its manifest is written last).
+/// Refuses to replace a footprint dataset that was changed after the city was made (its manifest is written last).
 fn refuse_edited(target: &Path) -> Result<(), CityError> {
     let changed = |name: &str| fs::metadata(target.join(name)).and_then(|file| file.modified());
     let (Ok(map), Ok(manifest)) = (changed("buildings.gpkg"), changed("city.toml")) else {
@@ -154,7 +154,7 @@ fn exchange(new: &Path, old: &Path) -> Result<(), CityError> {
             return Ok(());
         }
     }
-    // Network file systems cannot: three renames, each of which leaves both cities whole under some name.
+    // Tin file systems cannot: three renames, each of which leaves both cities whole under some name.
     let mut name = old.file_name().unwrap_or_default().to_owned();
     name.push(".previous");
     let aside = old.with_file_name(name);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::codec::{self, PhotoTile, TerrainTile};
+use super::codec::{self, ImageryTile, TerrainTile};
 use super::manifest::FORMAT;
 use super::{CityError, Manifest};
 use crate::buildings::BuildingMap;
@@ -22,8 +22,8 @@ pub enum Layer {
     Terrain,
     /// Building map.
     Buildings,
-    /// Aerial photo.
-    Photo,
+    /// Aerial orthophoto.
+    Imagery,
 }
 
 /// Where a tile's file lies under a city folder.
@@ -31,7 +31,7 @@ pub fn tile_path(folder: &Path, layer: Layer, tile: TileId) -> PathBuf {
     let layer = match layer {
         Layer::Terrain => "terrain",
         Layer::Buildings => "buildings",
-        Layer::Photo => "photo",
+        Layer::Imagery => "photo",
     };
     folder
         .join(layer)
@@ -40,9 +40,9 @@ pub fn tile_path(folder: &Path, layer: Layer, tile: TileId) -> PathBuf {
 }
 
 /// Largest counts a manifest may ask a reader to allocate for.
-const MOST_TILE_SAMPLES: usize = 8192;
-/// Most texels along a tile's side: the guard on the steps of a walk (`MOST_STEPS` in `relief::march`) stands on it.
-const MOST_TILE_TEXELS: usize = 2048;
+const MAX_TILE_SAMPLES: usize = 8192;
+/// Most texels along a tile's side: the guard on the steps of a walk (`MAX_STEPS` in `relief::march`) stands on it.
+const MAX_TILE_TEXELS: usize = 2048;
 
 impl City {
     /// Opens a folder by its `city.toml`.
@@ -63,11 +63,11 @@ impl City {
         }
         let grid = &manifest.grid;
         let sane = manifest.tile_texels.is_power_of_two()
-            && [manifest.tile_texels, manifest.terrain_side, manifest.photo_side]
+            && [manifest.tile_texels, manifest.terrain_side, manifest.imagery_side]
                 .iter()
-                .all(|&count| count <= MOST_TILE_SAMPLES)
+                .all(|&count| count <= MAX_TILE_SAMPLES)
             && manifest.terrain_side >= 2
-            && (2..=MOST_TILE_TEXELS).contains(&manifest.tile_texels)
+            && (2..=MAX_TILE_TEXELS).contains(&manifest.tile_texels)
             && grid.columns > 0
             && grid.rows > 0
             && [grid.west, grid.south].iter().all(|edge| edge.abs() < 1e9)
@@ -97,8 +97,8 @@ impl City {
         &self.manifest
     }
 
-    /// The digital map of record.
-    pub fn digital_map_path(&self) -> PathBuf {
+    /// The footprint dataset of record.
+    pub fn footprint_dataset_path(&self) -> PathBuf {
         self.folder.join("buildings.gpkg")
     }
 
@@ -127,7 +127,11 @@ impl City {
                 count(&|tile| self.has_buildings(tile)),
                 manifest.building_tiles,
             ),
-            ("photo", count(&|tile| self.has_photo(tile)), manifest.photo_tiles),
+            (
+                "photo",
+                count(&|tile| self.has_imagery(tile)),
+                manifest.imagery_tiles,
+            ),
         ] {
             if found != expected {
                 return Err(CityError::Tile {
@@ -149,9 +153,9 @@ impl City {
         self.existing(Layer::Buildings, tile).is_some()
     }
 
-    /// True when the tile has a photo.
-    pub fn has_photo(&self, tile: TileId) -> bool {
-        self.manifest.photo_side > 0 && self.existing(Layer::Photo, tile).is_some()
+    /// True when the tile has a orthophoto.
+    pub fn has_imagery(&self, tile: TileId) -> bool {
+        self.manifest.imagery_side > 0 && self.existing(Layer::Imagery, tile).is_some()
     }
 
     /// Ground of a tile, none where the city has none.
@@ -168,11 +172,11 @@ impl City {
             .transpose()
     }
 
-    /// Photo of a tile, none where there is none.
-    pub fn photo(&self, tile: TileId) -> Result<Option<PhotoTile>, CityError> {
-        self.existing(Layer::Photo, tile)
-            .filter(|_| self.manifest.photo_side > 0)
-            .map(|path| codec::read_photo(&path, self.manifest.photo_side))
+    /// Imagery of a tile, none where there is none.
+    pub fn imagery(&self, tile: TileId) -> Result<Option<ImageryTile>, CityError> {
+        self.existing(Layer::Imagery, tile)
+            .filter(|_| self.manifest.imagery_side > 0)
+            .map(|path| codec::read_imagery(&path, self.manifest.imagery_side))
             .transpose()
     }
 }

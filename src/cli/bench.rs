@@ -27,7 +27,7 @@ pub struct BenchArgs {
     #[arg(long, conflicts_with_all = ["city", "path"])]
     flare: bool,
     /// Views: a JSON list of {"name", "eye": [E,N,H], "look": [E,N,H], "fov": degrees} [default: low, oblique and high
-    /// over the middle, and the whole city from above].
+    /// over the centre, and the whole city from above].
     #[arg(long)]
     path: Option<PathBuf>,
     /// Picture size, pixels.
@@ -191,7 +191,7 @@ fn read_path(path: &Path) -> Result<Vec<PathView>, CommandError> {
     serde_json::from_slice(&text).map_err(|error| failed(format!("is no list of views ({error})")))
 }
 
-/// A low, an oblique and a high view over the middle, and one from above that shows the whole city.
+/// A low, an oblique and a high view over the centre, and one from above that shows the whole city.
 fn default_views(city: &City, size: [u32; 2]) -> Result<Vec<PathView>, CommandError> {
     let bounds = city.manifest().grid.bounds();
     let centre = bounds.centre();

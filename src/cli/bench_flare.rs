@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::CommandError;
 use super::statistics::median;
 use crate::camera::flare::{
-    Aperture, Blend, Fit, FlareMode, FlareRecipe, FlareSource, FlareTable, Pattern, flare_mesh,
+    Aperture, Blend, Fit, FlareMode, FlareParameters, FlareSource, FlareTable, Pattern, flare_mesh,
 };
 use crate::camera::lens::{BUILT_IN, built_in};
 use crate::camera::single_crossing_ghosts;
@@ -40,10 +40,10 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         let lens = lens?;
         let ghosts = single_crossing_ghosts(&lens).len();
         let start = std::time::Instant::now();
-        let most_angle = super::lens_flags::most_angle(&lens);
-        let table = FlareTable::bake(&lens, F_NUMBER, most_angle).map_err(RenderError::from)?;
+        let max_angle = super::lens_flags::max_angle(&lens);
+        let table = FlareTable::bake(&lens, F_NUMBER, max_angle).map_err(RenderError::from)?;
         let bake_ms = start.elapsed().as_secs_f64() * 1e3;
-        let recipe = |mode, whole_entrance| FlareRecipe {
+        let parameters = |mode, whole_entrance| FlareParameters {
             lens: &lens,
             source: FlareSource {
                 angle: 5_f64.to_radians(),
@@ -64,7 +64,7 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         };
         // Raster work of the quads over the whole front of the lens, by that over the effective pupil alone.
         let work = |whole_entrance| -> Result<f64, RenderError> {
-            let mesh = flare_mesh(&recipe(FlareMode::Paraxial, whole_entrance))?;
+            let mesh = flare_mesh(&parameters(FlareMode::Paraxial, whole_entrance))?;
             Ok(area_on_film(&mesh.added, film_half_mm(&lens, size)))
         };
         let pupil_saving = work(true)? / work(false)?;
@@ -77,7 +77,7 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
             let mut times = Vec::new();
             let mut triangles = 0;
             for _ in 0..frames {
-                let picture = renderer.picture(&recipe(mode, false), None, size)?;
+                let picture = renderer.picture(&parameters(mode, false), None, size)?;
                 triangles = picture.triangles;
                 times.push((picture.mesh_ms, picture.gpu_ms));
             }

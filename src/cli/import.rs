@@ -34,9 +34,9 @@ pub struct ImportArgs {
     /// Height of buildings without one, metres.
     #[arg(long, default_value_t = 6.0)]
     default_height: f64,
-    /// Aerial photos (any format GDAL reads); later ones lie on top.
-    #[arg(long, num_args = 1..)]
-    photo: Vec<PathBuf>,
+    /// Orthophotos (any format GDAL reads); later ones lie on top.
+    #[arg(long = "photo", num_args = 1..)]
+    imagery: Vec<PathBuf>,
     /// The city's CRS, projected in metres [default: the terrain's, or the UTM zone of the place].
     #[arg(long)]
     crs: Option<String>,
@@ -46,9 +46,9 @@ pub struct ImportArgs {
     /// CRS of a footprint file, instead of what they say [default: --crs].
     #[arg(long)]
     buildings_crs: Option<String>,
-    /// CRS of photos, instead of what they say [default: the city's].
-    #[arg(long)]
-    photo_crs: Option<String>,
+    /// CRS of orthophotos, instead of what they say [default: the city's].
+    #[arg(long = "photo-crs")]
+    imagery_crs: Option<String>,
     /// Metres per vertical unit of the terrain, 0.3048 for feet [default: what the files say].
     #[arg(long)]
     terrain_unit: Option<f64>,
@@ -86,11 +86,11 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         layer: args.layer,
         height_rule,
         default_height_m: args.default_height,
-        photos: args.photo,
+        imagery: args.imagery,
         crs: args.crs,
         terrain_crs: args.terrain_crs,
         buildings_crs: args.buildings_crs,
-        photo_crs: args.photo_crs,
+        imagery_crs: args.imagery_crs,
         terrain_unit_m: args.terrain_unit,
         terrain_error_m: args.terrain_error,
         fill_m: args.fill,
@@ -124,8 +124,8 @@ fn print_report(options: &ImportOptions, report: &ImportReport) {
             say!("  {title:16} {count}: {what}");
         }
     };
-    counted("mended", &footprints.mended);
-    counted("left out", &footprints.left_out);
+    counted("mended", &footprints.repaired);
+    counted("left out", &footprints.rejected);
     counted("default height", &footprints.default_heights);
     if footprints.duplicates > 0 {
         say!(

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use super::CommandError;
-use super::lens_flags::{aperture, most_angle};
+use super::lens_flags::{aperture, max_angle};
 use crate::camera::flare::{
-    Blend, Fit, FlareMode, FlareRecipe, FlareSource, FlareTable, Pattern, TableFile, table_from_photos,
+    Blend, Fit, FlareMode, FlareParameters, FlareSource, FlareTable, Pattern, TableFile, table_from_photos,
     write_table,
 };
 use crate::camera::lens::{Lens, open};
@@ -50,19 +50,17 @@ pub struct BakeArgs {
 fn steps(text: &str) -> Result<[u32; 2], String> {
     let counts: Option<Vec<u32>> = text.split('x').map(|count| count.parse().ok()).collect();
     match counts.as_deref() {
-        Some(&[angles, turns])
-            if angles >= 2 && turns >= 1 && angles.saturating_mul(turns) <= MOST_IMAGES =>
-        {
+        Some(&[angles, turns]) if angles >= 2 && turns >= 1 && angles.saturating_mul(turns) <= MAX_IMAGES => {
             Ok([angles, turns])
         }
         _ => Err(format!(
-            "give at least 2 angles and 1 turn, {MOST_IMAGES} images at most, such as 16x8"
+            "give at least 2 angles and 1 turn, {MAX_IMAGES} images at most, such as 16x8"
         )),
     }
 }
 
 /// Most images of a table.
-const MOST_IMAGES: u32 = 600;
+const MAX_IMAGES: u32 = 600;
 
 /// Pixels along a baked image's side.
 const IMAGE_SIDE: u32 = 240;
@@ -86,7 +84,7 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
         (None, Some(steps), Some(f_number)) => {
             let gpu = Gpu::open().map_err(RenderError::from)?;
             let renderer = FlareRenderer::new(&gpu, &aperture(args.blades));
-            let recipe = FlareRecipe {
+            let parameters = FlareParameters {
                 lens: &lens,
                 source: FlareSource {
                     angle: 0.0,
@@ -105,7 +103,7 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
                 fit: Fit::default(),
                 tracing: renderer.tracing(),
             };
-            let table = renderer.bake_images(&recipe, most_angle(&lens), steps, IMAGE_SIDE)?;
+            let table = renderer.bake_images(&parameters, max_angle(&lens), steps, IMAGE_SIDE)?;
             say!("{} images", table.len());
             TableFile::Images(table)
         }
@@ -120,7 +118,7 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
 /// Bakes a lens's rays to beyond the corner of its film, and says how large they are.
 pub fn bake_rays(lens: &Lens, f_number: f64) -> Result<FlareTable, CommandError> {
     let start = std::time::Instant::now();
-    let table = FlareTable::bake(lens, f_number, most_angle(lens)).map_err(RenderError::from)?;
+    let table = FlareTable::bake(lens, f_number, max_angle(lens)).map_err(RenderError::from)?;
     say!(
         "table: {} ghosts, {} angles in all, {:.2} MB, {:.0} ms to bake",
         table.len(),

@@ -57,7 +57,7 @@ pub fn aperture(blades: u32) -> Aperture {
 }
 
 /// Angle of the film's corner and a third more, radians.
-pub fn most_angle(lens: &Lens) -> f64 {
+pub fn max_angle(lens: &Lens) -> f64 {
     let half_diagonal = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
     let corner = half_diagonal.atan2(Paraxial::new(lens, D_LINE_UM, None).efl_mm.abs());
     (1.35 * corner).clamp(0.37, 1.2)

@@ -8,11 +8,11 @@ use glam::DVec2;
 use super::CommandError;
 use super::flare_flags::FlareFlags;
 use super::lens_flags::{aperture, ghost_of};
-use crate::camera::flare::{FlareMode, FlareRecipe, FlareSource, Pattern, Quality, TableFile, Tracing};
+use crate::camera::flare::{FlareMode, FlareParameters, FlareSource, Pattern, Quality, TableFile, Tracing};
 use crate::camera::lens::open;
 use crate::camera::single_crossing_ghosts;
 use crate::gpu::Gpu;
-use crate::output::{FlareRenderer, RenderError, auto_exposure, developed, write_png, write_radiance};
+use crate::output::{FlareRenderer, RenderError, auto_exposure, tone_mapped, write_png, write_radiance};
 
 /// Flags of `lens flare`.
 #[derive(Debug, clap::Args)]
@@ -98,7 +98,7 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
     };
     let nothing = (None, None, Pattern::Whole);
     let (rays, images, pattern) = table.as_ref().map_or(nothing, |table| table.at(source.angle));
-    let recipe = FlareRecipe {
+    let parameters = FlareParameters {
         lens: &lens,
         source,
         mode: preset.mode,
@@ -114,11 +114,11 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         },
     };
     if args.sheet {
-        let recipe = FlareRecipe {
+        let parameters = FlareParameters {
             pattern: Pattern::Whole,
-            ..recipe
+            ..parameters
         };
-        let (pixels, columns) = renderer.sheet(&recipe, args.size)?;
+        let (pixels, columns) = renderer.sheet(&parameters, args.size)?;
         write_png(&args.out, args.size, &pixels)?;
         for (row, ghosts) in single_crossing_ghosts(&lens).chunks(columns).enumerate() {
             let names: Vec<String> = ghosts
@@ -129,14 +129,14 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         }
         return Ok(());
     }
-    let paraxial = FlareRecipe {
+    let paraxial = FlareParameters {
         mode: FlareMode::Paraxial,
         pattern: Pattern::Whole,
-        ..recipe
+        ..parameters
     };
     let exposure = auto_exposure(&renderer.picture(&paraxial, None, args.size)?.radiance);
-    let picture = renderer.picture(&recipe, images, args.size)?;
-    write_png(&args.out, args.size, &developed(&picture.radiance, exposure))?;
+    let picture = renderer.picture(&parameters, images, args.size)?;
+    write_png(&args.out, args.size, &tone_mapped(&picture.radiance, exposure))?;
     if let Some(path) = &args.linear {
         write_radiance(path, args.size, &picture.radiance)?;
     }

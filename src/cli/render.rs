@@ -36,7 +36,7 @@ pub struct RenderArgs {
     /// How buildings are drawn.
     #[arg(long, value_enum, default_value = "exact")]
     relief: ReliefMode,
-    /// Draw every terrain sample instead of the irregular network.
+    /// Draw every terrain sample instead of the TIN.
     #[arg(long)]
     terrain_grid: bool,
     /// Samples a pixel: anti-aliasing, soft shadows and sky light.

@@ -15,8 +15,8 @@ pub struct SampleArgs {
 /// Writes the files and says how to import them.
 pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
     let files = write_sample(&args.dir).map_err(crate::city::CityError::from)?;
-    let photos: Vec<String> = files
-        .photos
+    let imagery: Vec<String> = files
+        .imagery
         .iter()
         .map(|path| path.display().to_string())
         .collect();
@@ -24,7 +24,7 @@ pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
         "rilievo import --terrain {} --buildings {} --height-field height_m --photo {} --out CITY",
         files.terrain.display(),
         files.buildings.display(),
-        photos.join(" ")
+        imagery.join(" ")
     );
     Ok(())
 }

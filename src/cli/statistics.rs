@@ -1,6 +1,6 @@
 //! Figures of repeated timings.
 
-/// The middle of some values; none of none.
+/// The centre of some values; none of none.
 pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

@@ -2,8 +2,8 @@
 
 use super::RenderError;
 use crate::camera::flare::{
-    Aperture, FlareMesh, FlareMode, FlarePass, FlareRecipe, FlareSource, FlareVertex, ImageTable, LightImage,
-    Pattern, Tracing, encode_images, flare_mesh,
+    Aperture, FlareMesh, FlareMode, FlareParameters, FlarePass, FlareSource, FlareVertex, ImageTable,
+    LightImage, Pattern, Tracing, encode_images, flare_mesh,
 };
 use crate::camera::lens::Lens;
 use crate::camera::{RayPass, single_crossing_ghosts};
@@ -50,17 +50,17 @@ impl<'a> FlareRenderer<'a> {
     /// Draws a flare, the film's width over the picture's width, and the images of a table where one is given.
     pub fn picture(
         &self,
-        recipe: &FlareRecipe<'_>,
+        parameters: &FlareParameters<'_>,
         images: Option<&ImageTable>,
         size: [u32; 2],
     ) -> Result<FlarePicture, RenderError> {
-        self.part(recipe, images, size, film_half_mm(recipe.lens, size))
+        self.part(parameters, images, size, film_half_mm(parameters.lens, size))
     }
 
-    /// The same over a rectangle that spans `half_mm` to each side of the film's middle.
+    /// The same over a rectangle that spans `half_mm` to each side of the film's centre.
     fn part(
         &self,
-        recipe: &FlareRecipe<'_>,
+        parameters: &FlareParameters<'_>,
         images: Option<&ImageTable>,
         size: [u32; 2],
         half_mm: [f64; 2],
@@ -69,7 +69,7 @@ impl<'a> FlareRenderer<'a> {
         let start = std::time::Instant::now();
         let mesh = match images {
             Some(images) if !images.with_linear => FlareMesh::default(),
-            _ => flare_mesh(recipe)?,
+            _ => flare_mesh(parameters)?,
         };
         let mesh_ms = start.elapsed().as_secs_f64() * 1e3;
         let target = Target::new(gpu, "flare", size, FORMAT);
@@ -83,7 +83,7 @@ impl<'a> FlareRenderer<'a> {
                 turn,
                 irradiance,
                 ..
-            } = recipe.source;
+            } = parameters.source;
             encode_images(
                 gpu,
                 &mut encoder,
@@ -114,8 +114,12 @@ impl<'a> FlareRenderer<'a> {
 
     /// Every ghost alone in a cell of its own, row by row in the order of `single_crossing_ghosts`, each as bright as its own
     /// exposure makes it: what to look at when a flare looks wrong. 8-bit sRGB, and the number of columns.
-    pub fn sheet(&self, recipe: &FlareRecipe<'_>, size: [u32; 2]) -> Result<(Vec<u8>, usize), RenderError> {
-        let ghosts = single_crossing_ghosts(recipe.lens);
+    pub fn sheet(
+        &self,
+        parameters: &FlareParameters<'_>,
+        size: [u32; 2],
+    ) -> Result<(Vec<u8>, usize), RenderError> {
+        let ghosts = single_crossing_ghosts(parameters.lens);
         let columns = (ghosts.len() as f64).sqrt().ceil().max(1.0) as u32;
         let rows = (ghosts.len() as u32).div_ceil(columns).max(1);
         let cell = [(size[0] / columns).max(4), (size[1] / rows).max(4)];
@@ -124,12 +128,12 @@ impl<'a> FlareRenderer<'a> {
         for (k, &ghost) in (0_u32..).zip(&ghosts) {
             // A line is left between cells.
             let inner = cell.map(|side| side - 2);
-            let only = FlareRecipe {
+            let only = FlareParameters {
                 only: Some(ghost),
-                ..*recipe
+                ..*parameters
             };
             let picture = self.picture(&only, None, inner)?;
-            let pixels = developed(&picture.radiance, auto_exposure(&picture.radiance));
+            let pixels = tone_mapped(&picture.radiance, auto_exposure(&picture.radiance));
             let corner = [k % columns * cell[0] + 1, k / columns * cell[1] + 1].map(|at| at as usize);
             for (row, line) in pixels.chunks_exact(4 * inner[0] as usize).enumerate() {
                 let start = 4 * ((corner[1] + row) * width + corner[0]);
@@ -141,38 +145,38 @@ impl<'a> FlareRenderer<'a> {
         Ok((sheet, columns as usize))
     }
 
-    /// A table of images of the nonlinear ghosts at angles up to `most_angle` radians, at turns all round: for apertures
+    /// A table of images of the nonlinear ghosts at angles up to `max_angle` radians, at turns all round: for apertures
     /// without symmetry, whose shape is in the images (KR 10-1658883's table over two parameters).
     pub fn bake_images(
         &self,
-        recipe: &FlareRecipe<'_>,
-        most_angle: f64,
+        parameters: &FlareParameters<'_>,
+        max_angle: f64,
         [angles, turns]: [u32; 2],
         side: u32,
     ) -> Result<ImageTable, RenderError> {
         // A square that holds the film however it is turned.
-        let [width, height] = recipe.lens.film_mm;
+        let [width, height] = parameters.lens.film_mm;
         let (size, half_mm) = ([side; 2], [0.5 * width.hypot(height); 2]);
         let mut images = Vec::new();
         for turn in (0..turns).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(turns)) {
-            for angle in (0..angles).map(|k| most_angle * f64::from(k) / f64::from(angles.max(2) - 1)) {
+            for angle in (0..angles).map(|k| max_angle * f64::from(k) / f64::from(angles.max(2) - 1)) {
                 let source = FlareSource {
                     angle,
                     turn,
                     irradiance: [1.0; 3],
-                    ..recipe.source
+                    ..parameters.source
                 };
-                let nonlinear = FlareRecipe {
+                let nonlinear = FlareParameters {
                     source,
                     pattern: Pattern::Nonlinear,
                     mode: FlareMode::Blended,
-                    ..*recipe
+                    ..*parameters
                 };
                 let picture = self.part(&nonlinear, None, size, half_mm)?;
                 images.push(LightImage::new(angle, turn, &picture.radiance, size, half_mm));
             }
         }
-        Ok(ImageTable::new(images, true, Some(recipe.source.f_number)))
+        Ok(ImageTable::new(images, true, Some(parameters.source.f_number)))
     }
 }
 
@@ -214,7 +218,7 @@ pub fn area_on_film(vertices: &[FlareVertex], half_mm: [f64; 2]) -> f64 {
         .sum()
 }
 
-/// Factor that brings all but the brightest 0.5 % of the lit pixels below 1.5, which [`developed`] shows at 0.6 of the
+/// Factor that brings all but the brightest 0.5 % of the lit pixels below 1.5, which [`tone_mapped`] shows at 0.6 of the
 /// display's white.
 pub fn auto_exposure(radiance: &[[f32; 3]]) -> f32 {
     let mut lit: Vec<f32> = radiance
@@ -250,7 +254,7 @@ pub fn srgb(linear: f32) -> u8 {
 /// 8-bit sRGB of linear radiance times an exposure. The ghosts of one flare differ a hundredfold: the brightest channel is
 /// brought to x / (1 + x) and the others in proportion, so that none is cut off at white and all keep their hue
 /// (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", equation 3).
-pub fn developed(radiance: &[[f32; 3]], exposure: f32) -> Vec<u8> {
+pub fn tone_mapped(radiance: &[[f32; 3]], exposure: f32) -> Vec<u8> {
     radiance
         .iter()
         .flat_map(|rgb| {

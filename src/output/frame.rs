@@ -11,8 +11,8 @@ use thiserror::Error;
 
 use super::Renderer;
 use crate::camera::flare::{
-    Aperture, Blend, Fit, FlareMesh, FlarePass, FlareRecipe, FlareSource, Pattern, Preset, Star, TableFile,
-    Tracing, encode_images, encode_starburst, flare_mesh, spectrum,
+    Aperture, Blend, Fit, FlareMesh, FlareParameters, FlarePass, FlareSource, Pattern, Preset, Star,
+    TableFile, Tracing, encode_images, encode_starburst, flare_mesh, spectrum,
 };
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::{Develop, Paraxial, RayPass};
@@ -27,7 +27,7 @@ pub enum RenderError {
     /// The city could not be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A tile or the digital map could not be read.
+    /// A tile or the footprint dataset could not be read.
     #[error(transparent)]
     City(#[from] crate::city::CityError),
     /// The device failed.
@@ -188,7 +188,7 @@ fn add_flare(
     let nothing = (None, None, Pattern::Whole);
     let (rays, images, pattern) = lens.table.map_or(nothing, |table| table.at(source.angle));
     let ray_pass = RayPass::new(gpu);
-    let recipe = FlareRecipe {
+    let cache_key = FlareParameters {
         lens: lens.lens,
         source,
         mode: preset.mode,
@@ -201,7 +201,7 @@ fn add_flare(
     };
     let has_mesh = lens.ghosts && images.is_none_or(|images| images.with_linear);
     let mesh = if has_mesh {
-        flare_mesh(&recipe)?
+        flare_mesh(&cache_key)?
     } else {
         FlareMesh::default()
     };

@@ -9,7 +9,7 @@ use crate::city::City;
 use crate::gpu::Gpu;
 use crate::relief::{ReliefMode, ReliefPass, building_mesh};
 use crate::scene::{Resident, TerrainMesh};
-use crate::source::DigitalMap;
+use crate::source::FootprintDataset;
 use crate::space::{Crs, TileId};
 use crate::terrain::HeightTile;
 
@@ -45,7 +45,7 @@ impl Renderer {
     }
 }
 
-/// Raises the digital map's footprints on the city's ground; needs GDAL, unlike every other way of drawing.
+/// Raises the footprint dataset's footprints on the city's ground; needs GDAL, unlike every other way of drawing.
 fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<Vec<Building>, RenderError> {
     let buildings = standing_buildings(city)?;
     let centre = city.manifest().grid.bounds().centre();
@@ -54,12 +54,12 @@ fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<Vec<B
     Ok(buildings)
 }
 
-/// The digital map's buildings with their bases and roofs.
+/// The footprint dataset's buildings with their bases and roofs.
 fn standing_buildings(city: &City) -> Result<Vec<Building>, RenderError> {
     let manifest = city.manifest();
     let crs = Crs::from_text(&manifest.crs).map_err(crate::city::CityError::from)?;
-    let footprints = DigitalMap::read(
-        &city.digital_map_path(),
+    let footprints = FootprintDataset::read(
+        &city.footprint_dataset_path(),
         &crs,
         &manifest.height_rule,
         manifest.default_height_m,

@@ -107,7 +107,7 @@ impl MapBindings {
                 TextureView(&resident.cells.view),
                 TextureView(&resident.pyramid.view),
                 resident.corners.as_entire_binding(),
-                resident.pieces.as_entire_binding(),
+                resident.lists.as_entire_binding(),
                 resident.along_outline.as_entire_binding(),
             ],
         );

@@ -45,7 +45,7 @@ impl<'a> CpuMap<'a> {
                 .map_or(f32::INFINITY, |[low, _]| low)
                 .min(map.lowest_base());
             Ok(Some(MapTile {
-                pyramid: Pyramid::of(&map, low),
+                pyramid: Pyramid::from_map(&map, low),
                 map,
             }))
         };

@@ -89,7 +89,7 @@ impl ExactPass {
             &self.input_layout,
             vec![
                 wgpu::BindingResource::TextureView(&targets.ground_distance.view),
-                wgpu::BindingResource::TextureView(&targets.beam_distance.view),
+                wgpu::BindingResource::TextureView(&targets.cone_distance.view),
             ],
         );
         let mut pass = targets.begin_relief_pass(encoder, timestamps);

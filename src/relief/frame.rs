@@ -39,7 +39,7 @@ pub struct FrameUniforms {
     pub terrain_side: u32,
     pub sample: u32,
     pub pixel_angle: f32,
-    pub photo_side: f32,
+    pub imagery_side: f32,
     pub pyramid_width: u32,
     pub more_padding: [u32; 2],
 }
@@ -81,7 +81,7 @@ impl FrameUniforms {
             terrain_side: resident.terrain_side,
             sample,
             pixel_angle: (2.0 * tan / height) as f32,
-            photo_side: resident.photo_side as f32,
+            imagery_side: resident.imagery_side as f32,
             pyramid_width: Pyramid::image_size(resident.tile_texels as usize)[0] as u32,
             more_padding: [0; 2],
         }

@@ -60,7 +60,7 @@ impl Ray {
 }
 
 /// More steps than any walk needs; a guard against endless loops.
-const MOST_STEPS: u32 = 8192;
+const MAX_STEPS: u32 = 8192;
 
 fn slack(t: f32) -> f32 {
     1e-3 + 2e-6 * t
@@ -70,7 +70,7 @@ fn slack(t: f32) -> f32 {
 /// tile's local coordinates, `eye_elevation` the height that `ray.start.z` counts from.
 pub fn visit_cell(
     map: &BuildingMap,
-    word: u32,
+    code: u32,
     cell: IVec2,
     ray: &Ray,
     start: Vec2,
@@ -82,14 +82,14 @@ pub fn visit_cell(
     let from_t = t0 - slack(t0);
     let to_t = t1 + slack(t1);
     let reference = (cell.as_vec2() + Vec2::from_array(BuildingMap::REFERENCE)) * map.texel_m;
-    let single = [word];
-    let words = match CellKind::of(word) {
-        CellKind::List(_) => map.words(word),
+    let single = [code];
+    let codes = match CellKind::from_code(code) {
+        CellKind::List(_) => map.codes(code),
         _ => &single[..],
     };
-    let mut words = words.iter();
-    while let Some(&word) = words.next() {
-        let Some(building) = map.building_of(word) else {
+    let mut codes = codes.iter();
+    while let Some(&code) = codes.next() {
+        let Some(building) = map.building_of(code) else {
             continue;
         };
         let record = &map.roofs[building as usize];
@@ -100,7 +100,7 @@ pub fn visit_cell(
         // A ray that stays above the roof can meet none of its walls.
         let dips = ray.start.z + (from_t * ray.direction.z).min(to_t * ray.direction.z) <= roof;
         let mut inside = true;
-        if let CellKind::Run(mut run) = CellKind::of(word) {
+        if let CellKind::Run(mut run) = CellKind::from_code(code) {
             inside = run.inside;
             let p = start + t_roof * ray.direction.xy();
             let to_p = p - reference;
@@ -141,10 +141,10 @@ pub fn visit_cell(
                     }
                     a = b;
                 }
-                let next = words.as_slice().first().map(|&word| CellKind::of(word));
+                let next = codes.as_slice().first().map(|&code| CellKind::from_code(code));
                 match next {
                     Some(CellKind::Run(more)) if run.more => {
-                        words.next();
+                        codes.next();
                         run = more;
                     }
                     _ => break,
@@ -194,7 +194,7 @@ pub fn walk_tile(
     let most = IVec2::splat(map.side as i32 - 1);
     let mut node = place.floor().as_ivec2().clamp(IVec2::ZERO, most) >> (2 * level + 2);
     let mut t = t0;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let size = map.texel_m * (1_u32 << (2 * level)) as f32;
         *reads += 1;
         let rounding = slack(t);
@@ -220,9 +220,9 @@ pub fn walk_tile(
         };
         match dips {
             Some(t_past) if level == 0 => {
-                let word = map.cells[child.y as usize * map.side + child.x as usize];
+                let code = map.cells[child.y as usize * map.side + child.x as usize];
                 *reads += 1;
-                let hit = visit_cell(map, word, child, ray, start, eye_elevation, [t, t_past]);
+                let hit = visit_cell(map, code, child, ray, start, eye_elevation, [t, t_past]);
                 if hit.is_some() {
                     return hit;
                 }
@@ -283,7 +283,7 @@ pub fn walk_city<'a>(
     }
     let place = eye_in_tile + ray.start.xy() + t * ray.direction.xy();
     let mut tile = eye_tile + (place / tile_m).floor().as_ivec2();
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if t >= end {
             break;
         }

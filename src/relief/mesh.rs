@@ -1,4 +1,4 @@
-//! Buildings as walls and roofs of triangles, from the digital map (not from the building map, so that the two ways of
+//! Buildings as walls and roofs of triangles, from the footprint dataset (not from the building map, so that the two ways of
 //! drawing check each other).
 
 use std::collections::BTreeMap;

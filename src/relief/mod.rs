@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! ground ─▶ distance, normal ─┬──────────────────────────────────┐
-//!                             └▶ beam ─▶ exact | polygons ─▶ shade ─▶ radiance, distance, id
+//!                             └▶ cone ─▶ exact | polygons ─▶ shade ─▶ radiance, distance, id
 //! ```
 
-mod beam;
+mod cone;
 mod bindings;
 mod cpu_map;
 mod exact;

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::beam::BeamPass;
 use super::bindings::{UNIFORM, group_of, layout_of};
+use super::cone::ConePass;
 use super::exact::ExactPass;
 use super::ground::GroundPass;
 use super::polygons::PolygonsPass;
@@ -19,7 +19,7 @@ use crate::space::{Projection, View};
 pub enum ReliefMode {
     /// Out of the building map, by an exact walk.
     Exact,
-    /// As triangles of the digital map: ground truth and yardstick.
+    /// As triangles of the footprint dataset: ground truth and yardstick.
     Polygons,
 }
 
@@ -28,7 +28,7 @@ pub struct ReliefPass {
     frame_layout: wgpu::BindGroupLayout,
     map: MapBindings,
     ground: GroundPass,
-    beam: BeamPass,
+    cone: ConePass,
     exact: ExactPass,
     shade: ShadePass,
     polygons: Option<PolygonsPass>,
@@ -41,7 +41,7 @@ impl ReliefPass {
         let map = MapBindings::new(gpu, resident);
         Self {
             ground: GroundPass::new(gpu, resident, &frame_layout),
-            beam: BeamPass::new(gpu, &frame_layout, &map),
+            cone: ConePass::new(gpu, &frame_layout, &map),
             exact: ExactPass::new(gpu, &frame_layout, &map),
             shade: ShadePass::new(gpu, &frame_layout, &map),
             polygons: None,
@@ -89,7 +89,7 @@ impl ReliefPass {
             (ReliefMode::Exact, _) => {
                 let begin = timer.and_then(|timer| timer.begin_of_pass(1));
                 let end = timer.and_then(|timer| timer.end_of_pass(1));
-                self.beam.encode(encoder, &frame, &self.map, targets, begin);
+                self.cone.encode(encoder, &frame, &self.map, targets, begin);
                 self.exact.encode(gpu, encoder, &frame, &self.map, targets, end);
             }
         }

@@ -83,7 +83,7 @@ impl ShadePass {
                 TextureView(&targets.ground_distance.view),
                 TextureView(&targets.ground_normal.view),
                 TextureView(&targets.relief.view),
-                TextureView(&resident.photos.view),
+                TextureView(&resident.imagery.view),
                 Sampler(&self.sampler),
             ],
         );

@@ -15,13 +15,13 @@ pub const GROUND: ShaderSource = ShaderSource {
 };
 
 /// Empty air before the buildings.
-pub const BEAM: ShaderSource = ShaderSource {
-    name: "relief/beam.wgsl",
+pub const CONE: ShaderSource = ShaderSource {
+    name: "relief/cone.wgsl",
     texts: &[
         text!("lib/frame.wgsl"),
         text!("lib/building_map.wgsl"),
         text!("fullscreen.wgsl"),
-        text!("relief/beam.wgsl"),
+        text!("relief/cone.wgsl"),
     ],
 };
 
@@ -56,4 +56,4 @@ pub const SHADE: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the relief pass.
-pub const ALL: [ShaderSource; 5] = [GROUND, BEAM, EXACT, POLYGONS, SHADE];
+pub const ALL: [ShaderSource; 5] = [GROUND, CONE, EXACT, POLYGONS, SHADE];

@@ -12,7 +12,7 @@ pub const SUN_RADIUS: f64 = 0.004_65;
 /// Rays over the disc.
 const DISC_RAYS: u32 = 256;
 
-/// Visible share of the solar disc, 0 to 1, for an eye in world coordinates and a unit vector to the sun's middle.
+/// Visible share of the solar disc, 0 to 1, for an eye in world coordinates and a unit vector to the sun's centre.
 ///
 /// # Errors
 /// When a terrain tile cannot be read.
@@ -67,9 +67,9 @@ impl Ground {
         let flat = to_sun.truncate().normalize_or_zero();
         for tile in grid.tiles() {
             let origin = grid.origin(tile);
-            // Tiles whose middle lies ahead and near the line of sight.
-            let middle = origin + 0.5 * grid.tile_m - eye.truncate();
-            let (ahead, aside) = (middle.dot(flat), middle.perp_dot(flat).abs());
+            // Tiles whose centre lies ahead and near the line of sight.
+            let centre = origin + 0.5 * grid.tile_m - eye.truncate();
+            let (ahead, aside) = (centre.dot(flat), centre.perp_dot(flat).abs());
             if ahead < -grid.tile_m || aside > grid.tile_m + 0.02 * ahead.max(0.0) {
                 continue;
             }

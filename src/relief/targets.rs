@@ -2,8 +2,8 @@
 
 use crate::gpu::{Gpu, Target, color_target};
 
-/// Side of the block of pixels that a beam goes round. Twin: `BEAM_PIXELS` in `shaders/relief/{beam,exact}.wgsl`.
-pub const BEAM_PIXELS: u32 = 8;
+/// Side of the block of pixels that a cone goes round. Twin: `CONE_PIXELS` in `shaders/relief/{cone,exact}.wgsl`.
+pub const CONE_PIXELS: u32 = 8;
 
 /// No surface, as a clear value (`FAR` in `shaders/lib/frame.wgsl`).
 pub const FAR: wgpu::Color = wgpu::Color {
@@ -38,7 +38,7 @@ pub struct ReliefTargets {
     /// Ground: packed normal.
     pub ground_normal: Target,
     /// Per block of pixels: metres along its view rays without a building.
-    pub beam_distance: Target,
+    pub cone_distance: Target,
     /// Buildings: bits of the metres along the view ray, id, bits of the facade coordinate, packed normal.
     pub relief: Target,
     /// Linear radiance.
@@ -58,10 +58,10 @@ impl ReliefTargets {
             depth: target("depth", Format::Depth32Float),
             ground_distance: target("ground distance", Format::R32Float),
             ground_normal: target("ground normal", Format::R32Uint),
-            beam_distance: Target::new(
+            cone_distance: Target::new(
                 gpu,
-                "beam distance",
-                size.map(|side| side.div_ceil(BEAM_PIXELS)),
+                "cone distance",
+                size.map(|side| side.div_ceil(CONE_PIXELS)),
                 Format::R32Float,
             ),
             relief: target("relief", Format::Rgba32Uint),

@@ -71,8 +71,8 @@ pub fn blocks() -> Vec<Block> {
 }
 
 fn split(ring: Ring, depth: u32, chance: &mut Chance, leaves: &mut Vec<Ring>) {
-    let middle = centre(&ring);
-    let wanted = 2900.0 + 6200.0 * (1.0 - density(middle)).powf(1.4);
+    let centre = centre(&ring);
+    let wanted = 2900.0 + 6200.0 * (1.0 - density(centre)).powf(1.4);
     if ring.len() < 3 || area(&ring) < wanted * chance.between(0.75, 1.35) {
         leaves.push(without_short_edges(&ring, 4.0));
         return;
@@ -85,7 +85,7 @@ fn split(ring: Ring, depth: u32, chance: &mut Chance, leaves: &mut Vec<Ring>) {
         3..=5 => 5.5,
         _ => 3.6,
     };
-    let through = middle + shift;
+    let through = centre + shift;
     let aside = across.perp() * half_street;
     split(left_of(&ring, through + aside, across), depth + 1, chance, leaves);
     split(
@@ -97,27 +97,27 @@ fn split(ring: Ring, depth: u32, chance: &mut Chance, leaves: &mut Vec<Ring>) {
 }
 
 fn is_buildable(ring: &Ring) -> bool {
-    let middle = centre(ring);
+    let centre = centre(ring);
     let dry = ring
         .iter()
         .all(|&p| river_distance(p).abs() > river_half_width(p) + 17.0)
         && ring
             .windows(2)
             .all(|pair| river_distance(pair[0]) * river_distance(pair[1]) > 0.0);
-    ring.len() >= 3 && area(ring) > 350.0 && dry && density(middle) > 0.06 && slope(middle) < 0.34
+    ring.len() >= 3 && area(ring) > 350.0 && dry && density(centre) > 0.06 && slope(centre) < 0.34
 }
 
 fn kind_of(ring: &Ring, chance: &mut Chance) -> BlockKind {
-    let middle = centre(ring);
-    let urban = density(middle);
-    let flat = slope(middle) < 0.07;
-    if middle.x > 1640.0 && flat && urban < 0.5 && chance.happens(0.55) {
+    let centre = centre(ring);
+    let urban = density(centre);
+    let flat = slope(centre) < 0.07;
+    if centre.x > 1640.0 && flat && urban < 0.5 && chance.happens(0.55) {
         return BlockKind::Works;
     }
     if chance.happens(0.045) {
         return BlockKind::Park;
     }
-    if middle.x < 800.0 && flat && urban < 0.55 && chance.happens(0.30) {
+    if centre.x < 800.0 && flat && urban < 0.55 && chance.happens(0.30) {
         return BlockKind::Towers;
     }
     match urban + chance.between(-0.08, 0.08) {

@@ -140,9 +140,9 @@ fn row_houses(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuildi
         for k in 0..count {
             let along = 11.0 + 6.6 * (k as f64 + 0.5);
             let step = 0.9 * f64::from(u8::from(k % 4 == 2));
-            let middle = a + street * along + street.perp() * (4.8 + step);
+            let centre = a + street * along + street.perp() * (4.8 + step);
             buildings.push(house(
-                rectangle(middle, street, 6.6, 9.6),
+                rectangle(centre, street, 6.6, 9.6),
                 storeys,
                 0.4,
                 "terrace",
@@ -160,7 +160,7 @@ fn villas(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
         if area(&quad) < 190.0 || chance.happens(0.1) {
             continue;
         }
-        let middle = centre(&quad) + street.perp() * chance.between(-2.0, 1.0);
+        let centre = centre(&quad) + street.perp() * chance.between(-2.0, 1.0);
         let turned = street.rotate(DVec2::from_angle(chance.between(-0.09, 0.09)));
         let (length, width) = (chance.between(9.0, 13.0), chance.between(7.5, 9.5));
         let storeys = chance.between(1.0, 3.4) as u32;
@@ -170,17 +170,17 @@ fn villas(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
             let (u, v) = (turned * (0.5 * length), turned.perp() * (0.5 * width));
             let wing = turned.perp() * chance.between(3.0, 5.0);
             let ell = vec![
-                middle - u - v,
-                middle + u - v,
-                middle + u + v + wing,
-                middle + 0.1 * u + v + wing,
-                middle + 0.1 * u + v,
-                middle - u + v,
+                centre - u - v,
+                centre + u - v,
+                centre + u + v + wing,
+                centre + 0.1 * u + v + wing,
+                centre + 0.1 * u + v,
+                centre - u + v,
             ];
             buildings.push(house(ell, storeys, extra, "villa", Some(turned)));
         } else {
             buildings.push(house(
-                rectangle(middle, turned, length, width),
+                rectangle(centre, turned, length, width),
                 storeys,
                 extra,
                 "villa",
@@ -188,11 +188,11 @@ fn villas(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
             ));
         }
         if chance.happens(0.3) {
-            let shed = middle + street * 0.5 * (length + 7.0) + street.perp() * 3.0;
+            let shed = centre + street * 0.5 * (length + 7.0) + street.perp() * 3.0;
             buildings.push(house(rectangle(shed, turned, 5.2, 3.4), 1, -0.5, "garage", None));
         }
         for _ in 0..2 {
-            let at = middle
+            let at = centre
                 + DVec2::from_angle(chance.between(0.0, std::f64::consts::TAU)) * chance.between(8.5, 11.5);
             trees.push(Tree {
                 at,
@@ -207,21 +207,21 @@ fn villas(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>,
 
 fn towers(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree>) {
     let direction = longest_direction(ring);
-    let middle = centre(ring);
+    let centre = centre(ring);
     if chance.happens(0.5) {
         let storeys = chance.between(8.0, 14.0) as u32;
         buildings.push(house(
-            rectangle(middle, direction, 21.0, 19.0),
+            rectangle(centre, direction, 21.0, 19.0),
             storeys,
             1.5,
             "tower",
             None,
         ));
-        let lift = rectangle(middle, direction, 6.0, 5.0);
+        let lift = rectangle(centre, direction, 6.0, 5.0);
         buildings.push(house(lift, storeys, 5.0, "lift house", None));
     } else {
         for side in [-1.0, 1.0] {
-            let at = middle + direction.perp() * side * 17.0;
+            let at = centre + direction.perp() * side * 17.0;
             let slab = rectangle(at, direction, 46.0, 12.0);
             buildings.push(house(slab, chance.between(4.0, 7.0) as u32, 0.8, "slab", None));
         }
@@ -254,10 +254,10 @@ fn works(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>) 
 
 fn square(ring: &Ring, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree>) {
     let nave = longest_direction(ring);
-    let middle = centre(ring);
+    let centre = centre(ring);
     let across = nave.perp();
     // A church: nave, transept and apse are one cross; the bell tower stands beside it.
-    let at = |u: f64, v: f64| middle + nave * u + across * v;
+    let at = |u: f64, v: f64| centre + nave * u + across * v;
     let mut cross = vec![
         at(-24.0, -6.5),
         at(4.0, -6.5),
@@ -307,8 +307,8 @@ fn square(ring: &Ring, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree
 
 fn castle(ring: &Ring, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree>, chance: &mut Chance) {
     let direction = longest_direction(ring);
-    let middle = centre(ring);
-    let outer = rectangle(middle, direction, 52.0, 40.0);
+    let centre = centre(ring);
+    let outer = rectangle(centre, direction, 52.0, 40.0);
     let mut keep = house(outer.clone(), 3, 2.5, "castle", None);
     keep.holes = set_back(&outer, 9.0).into_iter().collect();
     buildings.push(keep);
@@ -322,7 +322,7 @@ fn castle(ring: &Ring, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree
         ));
     }
     buildings.push(house(
-        rectangle(middle + direction * 20.0, direction, 11.0, 11.0),
+        rectangle(centre + direction * 20.0, direction, 11.0, 11.0),
         7,
         6.0,
         "keep",
@@ -334,13 +334,13 @@ fn castle(ring: &Ring, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree
 /// Two bridges: decks over the river from bank to bank.
 pub fn bridges(buildings: &mut Vec<SampleBuilding>) {
     for x in [1015.0, 1490.0] {
-        let middle = river_point(x);
+        let centre = river_point(x);
         let flow = (river_point(x + 1.0) - river_point(x - 1.0)).normalize_or(DVec2::X);
-        let span = 2.0 * (river_half_width(middle) + 14.0);
-        let deck = rectangle(middle, flow.perp(), span, 9.0);
+        let span = 2.0 * (river_half_width(centre) + 14.0);
+        let deck = rectangle(centre, flow.perp(), span, 9.0);
         let bank = deck.iter().map(|&p| ground(p)).fold(f64::NEG_INFINITY, f64::max);
         let lowest = deck.iter().map(|&p| ground(p)).fold(f64::INFINITY, f64::min);
-        let deck_level = bank.max(water_level(middle) + 4.0) + 0.3;
+        let deck_level = bank.max(water_level(centre) + 4.0) + 0.3;
         let mut bridge = house(deck, 1, 0.0, "bridge", None);
         bridge.height_m = (10.0 * (deck_level - lowest)).round() / 10.0;
         buildings.push(bridge);

@@ -11,8 +11,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::features::SampleBuilding;
+use super::imagery::paint;
 use super::landscape::{HEIGHT_M, WIDTH_M, ground};
-use super::photo::paint;
 use super::town::Town;
 use crate::source::SourceError;
 use crate::space::Crs;
@@ -24,8 +24,8 @@ pub struct SampleFiles {
     pub terrain: PathBuf,
     /// Footprints; the field `height_m` has heights.
     pub buildings: PathBuf,
-    /// Aerial photo tiles, 0.5 m.
-    pub photos: Vec<PathBuf>,
+    /// Aerial orthophoto tiles, 0.5 m.
+    pub imagery: Vec<PathBuf>,
 }
 
 /// CRS of the sample: UTM zone 33 north.
@@ -33,11 +33,11 @@ const CRS: &str = "EPSG:32633";
 /// South-west corner in that CRS, metres.
 const ORIGIN: DVec2 = DVec2::new(288_000.0, 4_772_000.0);
 const TERRAIN_PIXEL_M: f64 = 2.0;
-const PHOTO_PIXEL_M: f64 = 0.5;
-/// Photo tiles east-west and north-south.
-const PHOTO_TILES: [usize; 2] = [2, 2];
+const IMAGERY_PIXEL_M: f64 = 0.5;
+/// Imagery tiles east-west and north-south.
+const IMAGERY_TILES: [usize; 2] = [2, 2];
 
-/// Writes terrain, footprints and photos into a folder.
+/// Writes terrain, footprints and orthophotos into a folder.
 pub fn write_sample(folder: &Path) -> Result<SampleFiles, SourceError> {
     let unwritable = |why: String| SourceError::Write {
         path: folder.to_owned(),
@@ -50,15 +50,25 @@ pub fn write_sample(folder: &Path) -> Result<SampleFiles, SourceError> {
     let files = SampleFiles {
         terrain: folder.join("terrain.tif"),
         buildings: folder.join("buildings.gpkg"),
-        photos: (0..PHOTO_TILES[0] * PHOTO_TILES[1])
-            .map(|k| folder.join(format!("photo_{}_{}.tif", k % PHOTO_TILES[0], k / PHOTO_TILES[0])))
+        imagery: (0..IMAGERY_TILES[0] * IMAGERY_TILES[1])
+            .map(|k| {
+                folder.join(format!(
+                    "photo_{}_{}.tif",
+                    k % IMAGERY_TILES[0],
+                    k / IMAGERY_TILES[0]
+                ))
+            })
             .collect(),
     };
     write_terrain(&files.terrain)?;
     write_buildings(&files.buildings, &town.buildings)?;
-    (0..files.photos.len())
-        .into_par_iter()
-        .try_for_each(|k| write_photo(&files.photos[k], &town, [k % PHOTO_TILES[0], k / PHOTO_TILES[0]]))?;
+    (0..files.imagery.len()).into_par_iter().try_for_each(|k| {
+        write_imagery(
+            &files.imagery[k],
+            &town,
+            [k % IMAGERY_TILES[0], k / IMAGERY_TILES[0]],
+        )
+    })?;
     Ok(files)
 }
 
@@ -124,15 +134,18 @@ fn write_terrain(path: &Path) -> Result<(), SourceError> {
     dataset.close().map_err(write_error(path))
 }
 
-fn write_photo(path: &Path, town: &Town, tile: [usize; 2]) -> Result<(), SourceError> {
-    let [width_m, height_m] = [WIDTH_M / PHOTO_TILES[0] as f64, HEIGHT_M / PHOTO_TILES[1] as f64];
-    let size = [width_m, height_m].map(|side| (side / PHOTO_PIXEL_M) as usize);
+fn write_imagery(path: &Path, town: &Town, tile: [usize; 2]) -> Result<(), SourceError> {
+    let [width_m, height_m] = [
+        WIDTH_M / IMAGERY_TILES[0] as f64,
+        HEIGHT_M / IMAGERY_TILES[1] as f64,
+    ];
+    let size = [width_m, height_m].map(|side| (side / IMAGERY_PIXEL_M) as usize);
     let west = tile[0] as f64 * width_m;
     let north = (tile[1] + 1) as f64 * height_m;
-    let rgb = paint(town, west, north, size, PHOTO_PIXEL_M);
+    let rgb = paint(town, west, north, size, IMAGERY_PIXEL_M);
     let corner = [ORIGIN.x + west, ORIGIN.y + north];
     let options = ["COMPRESS=JPEG", "JPEG_QUALITY=90", "PHOTOMETRIC=RGB", "TILED=YES"];
-    let dataset = create_tiff::<u8>(path, corner, PHOTO_PIXEL_M, size, 3, &options)?;
+    let dataset = create_tiff::<u8>(path, corner, IMAGERY_PIXEL_M, size, 3, &options)?;
     for channel in 0..3 {
         let values: Vec<u8> = rgb.iter().skip(channel).step_by(3).copied().collect();
         let mut band = dataset.rasterband(channel + 1).map_err(write_error(path))?;

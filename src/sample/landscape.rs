@@ -22,7 +22,7 @@ fn river_northing(x: f64) -> f64 {
     640.0 + 150.0 * (x / 430.0 + 0.4).sin() + 55.0 * (x / 190.0 + 2.0).sin()
 }
 
-/// Signed distance from the river's middle, metres, positive to the north.
+/// Signed distance from the river's centre, metres, positive to the north.
 pub fn river_distance(p: DVec2) -> f64 {
     let slope = (river_northing(p.x + 1.0) - river_northing(p.x - 1.0)) / 2.0;
     (p.y - river_northing(p.x)) / (1.0 + slope * slope).sqrt()
@@ -38,7 +38,7 @@ pub fn water_level(p: DVec2) -> f64 {
     203.0 - 0.0012 * p.x
 }
 
-/// A point on the river's middle line.
+/// A point on the river's centre line.
 pub fn river_point(x: f64) -> DVec2 {
     DVec2::new(x, river_northing(x))
 }
@@ -71,7 +71,7 @@ pub fn slope(p: DVec2) -> f64 {
     DVec2::new(along(DVec2::new(STEP, 0.0)), along(DVec2::new(0.0, STEP))).length()
 }
 
-/// How urban a place is: 1 in the middle of town, 0 in the fields.
+/// How urban a place is: 1 in the centre of town, 0 in the fields.
 pub fn density(p: DVec2) -> f64 {
     let from_centre = (p - CENTRE) / DVec2::new(760.0, 560.0);
     let ragged = 0.10 * value_noise(p.x / 180.0, p.y / 180.0, 77);

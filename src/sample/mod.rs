@@ -1,8 +1,8 @@
 //! The sample city's source files: a made-up hill town by a river, in real formats, the same at every run.
 //!
 //! ```text
-//! landscape ─▶ blocks ─▶ buildings, trees ─▶ photo
-//!     └──────────────────────┴──────────────────┴─▶ files: DTM, GeoPackage, photo tiles
+//! landscape ─▶ blocks ─▶ buildings, trees ─▶ orthophoto
+//!     └──────────────────────┴──────────────────┴─▶ files: DTM, GeoPackage, orthophoto tiles
 //! ```
 
 mod blocks;
@@ -11,7 +11,7 @@ mod features;
 mod files;
 mod landscape;
 mod noise;
-mod photo;
+mod imagery;
 mod shapes;
 mod town;
 

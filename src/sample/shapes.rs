@@ -80,15 +80,15 @@ pub fn set_back(ring: &[DVec2], depth: f64) -> Option<Ring> {
     })
 }
 
-/// A rectangle by its middle, its long direction and its sides.
-pub fn rectangle(middle: DVec2, direction: DVec2, length: f64, width: f64) -> Ring {
+/// A rectangle by its centre, its long direction and its sides.
+pub fn rectangle(centre: DVec2, direction: DVec2, length: f64, width: f64) -> Ring {
     let (u, v) = (direction * (0.5 * length), direction.perp() * (0.5 * width));
-    vec![middle - u - v, middle + u - v, middle + u + v, middle - u + v]
+    vec![centre - u - v, centre + u - v, centre + u + v, centre - u + v]
 }
 
 /// A regular polygon.
-pub fn round(middle: DVec2, radius: f64, corners: usize) -> Ring {
+pub fn round(centre: DVec2, radius: f64, corners: usize) -> Ring {
     (0..corners)
-        .map(|k| middle + DVec2::from_angle(k as f64 / corners as f64 * std::f64::consts::TAU) * radius)
+        .map(|k| centre + DVec2::from_angle(k as f64 / corners as f64 * std::f64::consts::TAU) * radius)
         .collect()
 }

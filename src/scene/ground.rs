@@ -13,7 +13,7 @@ use crate::terrain::grid_triangles;
 /// Which triangles carry the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TerrainMesh {
-    /// The irregular network, within the city's stated error.
+    /// The TIN, within the city's stated error.
     Tin,
     /// Every lattice cell.
     Grid,

@@ -17,8 +17,8 @@ use crate::space::TileId;
 pub struct TileSlot {
     /// First outline corner.
     pub corner_base: u32,
-    /// First piece.
-    pub piece_base: u32,
+    /// First list.
+    pub list_base: u32,
     /// Lowest ground, metres.
     pub low: f32,
     /// Highest roof, metres.
@@ -44,7 +44,7 @@ pub struct MapData {
     pub cells: TextureArray,
     pub pyramid: TextureArray,
     pub corners: wgpu::Buffer,
-    pub pieces: wgpu::Buffer,
+    pub lists: wgpu::Buffer,
     pub along_outline: wgpu::Buffer,
     pub bytes: u64,
 }
@@ -82,7 +82,7 @@ pub fn load_maps(
     )?;
     let (mut resident, mut slots) = (Vec::new(), Vec::new());
     let mut corners: Vec<Corner> = Vec::new();
-    let mut pieces: Vec<u32> = Vec::new();
+    let mut lists: Vec<u32> = Vec::new();
     let mut along_outline: Vec<f32> = Vec::new();
     let mut bytes = 0;
     let lowest_ground: std::collections::HashMap<TileId, f32> = ground
@@ -100,7 +100,7 @@ pub fn load_maps(
                         .copied()
                         .unwrap_or(f32::INFINITY)
                         .min(map.lowest_base());
-                    let pyramid = Pyramid::of(&map, low);
+                    let pyramid = Pyramid::from_map(&map, low);
                     (tile, map, pyramid)
                 }))
             })
@@ -112,7 +112,7 @@ pub fn load_maps(
             pyramid.write(gpu, slot, 0, maxima.nodes());
             slots.push(TileSlot {
                 corner_base: (corners.len() + map.roofs.len()) as u32,
-                piece_base: pieces.len() as u32,
+                list_base: lists.len() as u32,
                 low: maxima.low(),
                 high: maxima.top(),
             });
@@ -120,7 +120,7 @@ pub fn load_maps(
             table[row + tile.x as usize][0] = slot as i32;
             resident.push(tile);
             corners.extend(corners_of(&map));
-            pieces.extend(&map.pieces);
+            lists.extend(&map.lists);
             along_outline.extend(map.roofs.iter().map(|_| 0.0));
             along_outline.extend(map.vertices.iter().map(|vertex| vertex.along_m));
         }
@@ -133,7 +133,7 @@ pub fn load_maps(
         cells,
         pyramid,
         corners: storage_buffer(gpu, "building outlines", &corners)?,
-        pieces: storage_buffer(gpu, "building pieces", &pieces)?,
+        lists: storage_buffer(gpu, "building lists", &lists)?,
         along_outline: storage_buffer(gpu, "lengths along outlines", &along_outline)?,
     })
 }

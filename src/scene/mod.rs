@@ -7,8 +7,8 @@ mod error;
 mod ground;
 mod maps;
 mod order;
-mod photo_mips;
-mod photos;
+mod imagery_mips;
+mod imagery;
 mod resident;
 
 pub use cull::Frustum;

@@ -2,8 +2,8 @@
 
 use super::SceneError;
 use super::ground::{GroundSlot, TerrainMesh, load_ground};
+use super::imagery::load_imagery;
 use super::maps::{TileSlot, load_maps};
-use super::photos::load_photos;
 use crate::city::City;
 use crate::gpu::{Gpu, GpuError, TextureArray, storage_buffer};
 use crate::space::{TileGrid, TileId};
@@ -20,8 +20,8 @@ pub struct Resident {
     pub terrain_step_m: f64,
     /// Terrain samples along a tile's side.
     pub terrain_side: u32,
-    /// Photo pixels along a tile's side as resident.
-    pub photo_side: u32,
+    /// Imagery pixels along a tile's side as resident.
+    pub imagery_side: u32,
     /// Highest roof of the city, metres.
     pub highest_roof: f32,
     /// Lowest ground of the tiles with buildings, metres.
@@ -34,7 +34,7 @@ pub struct Resident {
     pub ground: Vec<GroundSlot>,
     /// Bytes resident on the GPU.
     pub bytes: u64,
-    /// Per grid tile: building slot and photo layer.
+    /// Per grid tile: building slot and orthophoto layer.
     pub tile_table: wgpu::TextureView,
     /// `slots` on the GPU.
     pub slot_buffer: wgpu::Buffer,
@@ -45,7 +45,7 @@ pub struct Resident {
     /// Roofs and outlines' corners of all tiles.
     pub corners: wgpu::Buffer,
     /// Piece lists of all tiles.
-    pub pieces: wgpu::Buffer,
+    pub lists: wgpu::Buffer,
     /// Metres along its outline, for every corner.
     pub along_outline: wgpu::Buffer,
     /// Ground records.
@@ -54,8 +54,8 @@ pub struct Resident {
     pub heights: TextureArray,
     /// Triangles of the ground, as sample indices.
     pub ground_indices: wgpu::Buffer,
-    /// Photos.
-    pub photos: TextureArray,
+    /// Orthophotos.
+    pub imagery: TextureArray,
 }
 
 impl Resident {
@@ -67,16 +67,16 @@ impl Resident {
         let mut table = vec![[-1_i32; 2]; tiles.len()];
         let ground = load_ground(gpu, city, &tiles, mesh)?;
         let maps = load_maps(gpu, city, &tiles, &ground, &mut table)?;
-        let (photos, photo_side, photo_bytes) = load_photos(gpu, city, &tiles, &mut table)?;
+        let (imagery, imagery_side, imagery_bytes) = load_imagery(gpu, city, &tiles, &mut table)?;
         let slot_buffer = storage_buffer(gpu, "tile slots", &maps.slots)?;
-        let bytes = ground.bytes + maps.bytes + photo_bytes;
+        let bytes = ground.bytes + maps.bytes + imagery_bytes;
         Ok(Self {
             grid: manifest.grid,
             texel_m: manifest.texel_m,
             tile_texels: manifest.tile_texels as u32,
             terrain_step_m: manifest.terrain_step_m,
             terrain_side: manifest.terrain_side as u32,
-            photo_side,
+            imagery_side,
             highest_roof: maps
                 .slots
                 .iter()
@@ -96,12 +96,12 @@ impl Resident {
             cells: maps.cells,
             pyramid: maps.pyramid,
             corners: maps.corners,
-            pieces: maps.pieces,
+            lists: maps.lists,
             along_outline: maps.along_outline,
             ground_buffer: ground.records,
             heights: ground.heights,
             ground_indices: ground.indices,
-            photos,
+            imagery,
         })
     }
 }

@@ -1,4 +1,4 @@
-//! A building as the digital map knows it: an outline and one number for its roof.
+//! A building as the footprint dataset knows it: an outline and one number for its roof.
 
 use geo::MultiPolygon;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What the survey office gives: georeferenced grids, footprints and photos, read by GDAL and OGR.
+//! What the survey office gives: georeferenced grids, footprints and orthophotos, read by GDAL and OGR.
 //!
 //! Everything leaves here in metres and in the city's CRS.
 
@@ -12,7 +12,8 @@ pub use crs_choice::CrsChoice;
 pub use error::SourceError;
 use error::gdal_says;
 pub use footprint::{Footprint, HeightRule, RoofSpec};
-pub use raster::{Dtm, DtmSampler, Photos};
+pub use raster::{Dtm, DtmSampler, Imagery};
 pub use vector::{
-    CleanReport, DigitalMap, FootprintReport, FootprintSource, MapWriter, Outline, clean_outline,
+    CleanReport, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource, Outline,
+    clean_outline,
 };

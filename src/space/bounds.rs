@@ -86,7 +86,7 @@ impl Bounds {
         self.north - self.south
     }
 
-    /// The middle.
+    /// The centre.
     pub fn centre(&self) -> DVec2 {
         DVec2::new(0.5 * (self.west + self.east), 0.5 * (self.south + self.north))
     }

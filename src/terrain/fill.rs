@@ -1,10 +1,10 @@
 //! Fills narrow holes in a lattice of heights.
 
 /// Fills runs of missing samples that are bounded by known ones in their row or column and at most
-/// `most_samples` long. The value is linear across the hole, rows and columns weighted by the inverse of the
+/// `max_samples` long. The value is linear across the hole, rows and columns weighted by the inverse of the
 /// run's length. Wider holes, and those open to the lattice's border, stay.
-pub fn fill_gaps(heights: &mut [f32], size: [usize; 2], most_samples: usize) {
-    if most_samples == 0 || heights.iter().all(|height| height.is_finite()) {
+pub fn fill_gaps(heights: &mut [f32], size: [usize; 2], max_samples: usize) {
+    if max_samples == 0 || heights.iter().all(|height| height.is_finite()) {
         return;
     }
     let mut sums = vec![[0.0_f64; 2]; heights.len()];
@@ -17,7 +17,7 @@ pub fn fill_gaps(heights: &mut [f32], size: [usize; 2], most_samples: usize) {
             }
             if let Some(last) = last_known {
                 let missing = index - last - 1;
-                if missing > 0 && missing <= most_samples {
+                if missing > 0 && missing <= max_samples {
                     let before = f64::from(heights[start + last * stride]);
                     let weight = 1.0 / missing as f64;
                     for gap in last + 1..index {

@@ -2,7 +2,7 @@
 //!
 //! A triangle's corners are lattice samples, so a mesh is a list of sample indices and its vertices are
 //! displaced by the height texture alone ("global vertex displacement", KR 10-0738500): the same vertex
-//! shader draws the regular grid (`grid`) and the irregular network (`tin`).
+//! shader draws the regular grid (`grid`) and the TIN (`tin`).
 
 mod fill;
 mod grid;

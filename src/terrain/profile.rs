@@ -37,9 +37,9 @@ fn split(heights: &[f32], start: usize, end: usize, tolerance_m: f32, kept: &mut
             worst = (error, Some(index));
         }
     }
-    if let (_, Some(middle)) = worst {
-        split(heights, start, middle, tolerance_m, kept);
-        kept.push(middle);
-        split(heights, middle, end, tolerance_m, kept);
+    if let (_, Some(centre)) = worst {
+        split(heights, start, centre, tolerance_m, kept);
+        kept.push(centre);
+        split(heights, centre, end, tolerance_m, kept);
     }
 }

@@ -1,4 +1,4 @@
-//! A triangulated irregular network by greedy insertion: of all samples the one farthest from the surface
+//! A triangulated TIN by greedy insertion: of all samples the one farthest from the surface
 //! becomes a vertex, until none is farther than the tolerance (Garland & Heckbert 1995, algorithm III:
 //! each triangle keeps its own worst sample and only triangles touched by an insertion are scanned again).
 //! The Delaunay triangulation is `spade`'s.
@@ -57,7 +57,7 @@ impl Ord for Candidate {
 /// Triangles as sample indices, counter-clockwise from above, within `tolerance_m` of every known sample.
 /// Triangles over missing ground are left out; their border is exact.
 pub fn tin_triangles(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> Vec<[u32; 3]> {
-    let mut network = Network {
+    let mut tin = Tin {
         tile,
         mesh: DelaunayTriangulation::new(),
         versions: Vec::new(),
@@ -65,30 +65,30 @@ pub fn tin_triangles(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> 
         tolerance_m,
     };
     for (i, j) in fixed_vertices(tile, apron, tolerance_m) {
-        network.insert(i, j);
+        tin.insert(i, j);
     }
-    network.scan_all();
-    while let Some(candidate) = network.heap.pop() {
-        if network.versions[candidate.face] != candidate.version {
+    tin.scan_all();
+    while let Some(candidate) = tin.heap.pop() {
+        if tin.versions[candidate.face] != candidate.version {
             continue;
         }
         let (i, j) = (
             candidate.sample as usize % tile.side,
             candidate.sample as usize / tile.side,
         );
-        if let Some(vertex) = network.insert(i, j) {
-            let touched: Vec<_> = network
+        if let Some(vertex) = tin.insert(i, j) {
+            let touched: Vec<_> = tin
                 .mesh
                 .vertex(vertex)
                 .out_edges()
                 .filter_map(|edge| edge.face().as_inner().map(|face| face.fix()))
                 .collect();
             for face in touched {
-                network.scan(face);
+                tin.scan(face);
             }
         }
     }
-    network.triangles()
+    tin.triangles()
 }
 
 /// Border vertices, and every known sample beside a missing one.
@@ -129,7 +129,7 @@ fn fixed_vertices(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> Vec
     fixed
 }
 
-struct Network<'a> {
+struct Tin<'a> {
     tile: &'a HeightTile,
     mesh: DelaunayTriangulation<Sample>,
     versions: Vec<u32>,
@@ -137,7 +137,7 @@ struct Network<'a> {
     tolerance_m: f32,
 }
 
-impl Network<'_> {
+impl Tin<'_> {
     fn insert(&mut self, i: usize, j: usize) -> Option<spade::handles::FixedVertexHandle> {
         let sample = Sample {
             i: i as u16,
@@ -180,11 +180,11 @@ impl Network<'_> {
             .inner_faces()
             .map(|face| face.vertices().map(|vertex| *vertex.data()))
             .filter(|corners| {
-                let middle = |of: fn(&Sample) -> u16| {
+                let centre = |of: fn(&Sample) -> u16| {
                     let sum: usize = corners.iter().map(|corner| usize::from(of(corner))).sum();
                     (sum / 3).min(side - 2)
                 };
-                let (i, j) = (middle(|corner| corner.i), middle(|corner| corner.j));
+                let (i, j) = (centre(|corner| corner.i), centre(|corner| corner.j));
                 known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1)
             })
             .map(|corners| corners.map(|corner| u32::from(corner.j) * side as u32 + u32::from(corner.i)))

@@ -31,7 +31,7 @@ fn benches(criterion: &mut Criterion) {
     });
     if let Ok(map) = rasterise(&tile, 512, &of_tile) {
         criterion.bench_function("pyramid of a tile", |bencher| {
-            bencher.iter(|| Pyramid::of(&map, 0.0))
+            bencher.iter(|| Pyramid::from_map(&map, 0.0))
         });
     }
     let side = 129;
@@ -45,7 +45,7 @@ fn benches(criterion: &mut Criterion) {
     let apron: Vec<f32> = (0..(side + 2) * (side + 2))
         .map(|k| height(k, side + 2))
         .collect();
-    criterion.bench_function("irregular network of 129 x 129 samples", |bencher| {
+    criterion.bench_function("TIN of 129 x 129 samples", |bencher| {
         bencher.iter(|| tin_triangles(&ground, &Apron(&apron), 0.25));
     });
 }

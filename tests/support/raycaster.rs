@@ -127,11 +127,11 @@ impl Raycaster {
                 Some(height) if height <= 0.0 => {
                     let (mut low, mut high) = (before, t);
                     for _ in 0..40 {
-                        let middle = 0.5 * (low + high);
-                        if above(middle).is_some_and(|height| height <= 0.0) {
-                            high = middle;
+                        let centre = 0.5 * (low + high);
+                        if above(centre).is_some_and(|height| height <= 0.0) {
+                            high = centre;
                         } else {
-                            low = middle;
+                            low = centre;
                         }
                     }
                     return Some(high);

@@ -27,7 +27,7 @@ impl Default for Aperture {
 }
 
 impl Aperture {
-    /// Distance from the middle to the edge in the direction of `at`, as a share of the circle through the corners.
+    /// Distance from the centre to the edge in the direction of `at`, as a share of the circle through the corners.
     pub fn edge(&self, at: DVec2) -> f64 {
         if self.blades < 3 {
             return 1.0;

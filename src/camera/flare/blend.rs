@@ -28,44 +28,44 @@ pub struct Fit {
     pub brightness: bool,
 }
 
-/// Shares of the linear and the nonlinear image of a ghost that departs from linear by `departure` (see `nonlinearity`).
-pub fn shares(blend: Blend, departure: f64) -> [f64; 2] {
-    let fade = ((departure / LINEAR_ENOUGH - 0.5) / 1.5).clamp(0.0, 1.0);
+/// Shares of the linear and the nonlinear image of a ghost that departs from linear by `nonlinearity_error` (see `nonlinearity`).
+pub fn shares(blend: Blend, nonlinearity_error: f64) -> [f64; 2] {
+    let fade = ((nonlinearity_error / LINEAR_ENOUGH - 0.5) / 1.5).clamp(0.0, 1.0);
     let smooth = fade * fade * (3.0 - 2.0 * fade);
     match blend {
-        Blend::Add if departure > LINEAR_ENOUGH => [0.0, 1.0],
+        Blend::Add if nonlinearity_error > LINEAR_ENOUGH => [0.0, 1.0],
         Blend::Add => [1.0, 0.0],
         Blend::Interpolate => [1.0 - smooth, smooth],
         Blend::Alpha => [1.0, smooth],
     }
 }
 
-/// Light, middle and spread of points with weights.
+/// Light, centre and spread of points with weights.
 struct Moments {
     light: f64,
-    middle: DVec2,
+    centre: DVec2,
     spread: f64,
 }
 
 impl Moments {
-    fn of(points: &[(DVec2, f64)]) -> Option<Self> {
+    fn from_points(points: &[(DVec2, f64)]) -> Option<Self> {
         let light: f64 = points.iter().map(|(_, weight)| weight).sum();
-        let middle = points.iter().map(|(at, weight)| *at * *weight).sum::<DVec2>() / light;
+        let centre = points.iter().map(|(at, weight)| *at * *weight).sum::<DVec2>() / light;
         let square: f64 = points
             .iter()
-            .map(|(at, weight)| (*at - middle).length_squared() * weight)
+            .map(|(at, weight)| (*at - centre).length_squared() * weight)
             .sum();
         let spread = (square / light).sqrt();
         (light > 0.0 && spread > 0.0).then_some(Self {
             light,
-            middle,
+            centre,
             spread,
         })
     }
 }
 
-/// Fits a ghost's rays to its linear image: the spread (root mean square distance from the middle) by scaling about the
-/// middle, the light by a factor on the power. As it is where either image is empty.
+/// Fits a ghost's rays to its linear image: the spread (root mean square distance from the centre) by scaling about the
+/// centre, the light by a factor on the power. As it is where either image is empty.
 pub fn fitted(mut grid: RayGrid, linear: &LinearGhost, losses: &Losses, fit: Fit) -> RayGrid {
     let (mut traced, mut ideal) = (Vec::new(), Vec::new());
     for (k, ray) in grid.rays.iter().enumerate() {
@@ -80,12 +80,12 @@ pub fn fitted(mut grid: RayGrid, linear: &LinearGhost, losses: &Losses, fit: Fit
             traced.push((ray.sensor_mm, ray.power));
         }
     }
-    let (Some(traced), Some(ideal)) = (Moments::of(&traced), Moments::of(&ideal)) else {
+    let (Some(traced), Some(ideal)) = (Moments::from_points(&traced), Moments::from_points(&ideal)) else {
         return grid;
     };
     for ray in grid.rays.iter_mut().flatten() {
         if fit.size {
-            ray.sensor_mm = traced.middle + (ray.sensor_mm - traced.middle) * (ideal.spread / traced.spread);
+            ray.sensor_mm = traced.centre + (ray.sensor_mm - traced.centre) * (ideal.spread / traced.spread);
         }
         if fit.brightness {
             ray.power *= ideal.light / traced.light;

@@ -46,7 +46,7 @@ impl RayGrid {
     pub fn window(&self, linear: &LinearGhost) -> Option<[DVec2; 2]> {
         let all = DVec2::splat(linear.barrel_mm);
         let cell = 2.0 * linear.barrel_mm / (self.side - 1) as f64;
-        let (mut low, mut high) = (linear.middle - linear.half, linear.middle + linear.half);
+        let (mut low, mut high) = (linear.centre - linear.half, linear.centre + linear.half);
         if linear.is_shut() {
             (low, high) = (all, -all);
         }

@@ -19,7 +19,7 @@ pub struct LinearGhost {
     /// Radius of the front, millimetres.
     pub barrel_mm: f64,
     /// Middle of the part of the entrance that is drawn, and half its sides.
-    pub middle: DVec2,
+    pub centre: DVec2,
     /// Half its sides, millimetres.
     pub half: DVec2,
 }
@@ -44,7 +44,7 @@ impl LinearGhost {
             slope,
             stop_mm,
             barrel_mm,
-            middle: 0.5 * (low + high),
+            centre: 0.5 * (low + high),
             half: 0.5 * (high - low),
         }
     }
@@ -57,7 +57,7 @@ impl LinearGhost {
     /// Place in a grid of `side` points a side over the drawn part.
     pub fn entrance(&self, column: usize, row: usize, side: usize) -> DVec2 {
         let share = |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
-        self.middle + self.half * DVec2::new(share(column), share(row))
+        self.centre + self.half * DVec2::new(share(column), share(row))
     }
 
     /// On the sensor, millimetres.

@@ -55,7 +55,7 @@ pub enum Pattern {
 
 /// What to make.
 #[derive(Clone, Copy)]
-pub struct FlareRecipe<'a> {
+pub struct FlareParameters<'a> {
     /// The lens.
     pub lens: &'a Lens,
     /// The sun in it.
@@ -104,8 +104,8 @@ struct Optics {
 }
 
 /// Triangles of a flare.
-pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
-    let FlareRecipe { lens, source, .. } = *recipe;
+pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuError> {
+    let FlareParameters { lens, source, .. } = *parameters;
     // The sensor stays in the focus of the d line for every colour. So is the iris set.
     let d_line = Paraxial::new(lens, D_LINE_UM, None);
     let gap = d_line.sensor_gap_mm();
@@ -117,7 +117,7 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
             paraxial: Paraxial::new(lens, colour.um, Some(gap)),
         })
         .collect();
-    let parts = parts(recipe);
+    let parts = parts(parameters);
     let linear_of =
         |ghost, paraxial: &Paraxial| LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
 
@@ -127,7 +127,7 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
         .flat_map_iter(|(part, optics)| {
             let tracer = Tracer::new(lens, optics.colour.um, gap);
             let linear = linear_of(part.ghost, &optics.paraxial);
-            let draw = match recipe.mode {
+            let draw = match parameters.mode {
                 FlareMode::TwoRays => two_rays,
                 _ => quad,
             };
@@ -147,12 +147,12 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
             .flat_map_iter(|((part, optics), grid)| {
                 let linear = linear_of(part.ghost, &optics.paraxial);
                 let triangles = |grid: RayGrid| {
-                    let grid = if recipe.fit == Fit::default() {
+                    let grid = if parameters.fit == Fit::default() {
                         grid
                     } else {
                         let tracer = Tracer::new(lens, optics.colour.um, gap);
-                        match Losses::of(&tracer, &linear, &source, part.ghost) {
-                            Some(losses) => fitted(grid, &linear, &losses, recipe.fit),
+                        match Losses::from_ray(&tracer, &linear, &source, part.ghost) {
+                            Some(losses) => fitted(grid, &linear, &losses, parameters.fit),
                             None => grid,
                         }
                     };
@@ -168,20 +168,20 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
             .collect()
     };
     let mut traced = Vec::new();
-    if let (FlareMode::Blended, Some(table)) = (recipe.mode, recipe.table) {
-        let played = |&part: &&Part| {
-            let played = table.ghost(part.ghost).and_then(|ghost| ghost.at(source.angle));
+    if let (FlareMode::Blended, Some(table)) = (parameters.mode, parameters.table) {
+        let evaluated = |&part: &&Part| {
+            let evaluated = table.ghost(part.ghost).and_then(|ghost| ghost.at(source.angle));
             let grid = |optics: &Optics| {
-                played
+                evaluated
                     .as_ref()
-                    .map(|played| played.grid(optics.colour.um, source.rays))
+                    .map(|evaluated| evaluated.grid(optics.colour.um, source.rays))
             };
             let jobs: Vec<_> = optics.iter().map(|optics| (part, optics)).collect();
             grids_of(&jobs, optics.iter().map(grid).collect())
         };
-        traced = curved.par_iter().flat_map_iter(played).collect();
+        traced = curved.par_iter().flat_map_iter(evaluated).collect();
     } else {
-        // Where each ghost's light comes in, by a coarse grid over the whole front in the middle of the spectrum.
+        // Where each ghost's light comes in, by a coarse grid over the whole front in the centre of the spectrum.
         let linears: Vec<LinearGhost> = curved.iter().map(|part| linear_of(part.ghost, &d_line)).collect();
         let whole = |(part, linear): (&&Part, &LinearGhost)| Bundle {
             ghost: Some(part.ghost),
@@ -191,7 +191,7 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
             high: DVec2::splat(linear.barrel_mm),
         };
         let searches: Vec<Bundle> = curved.iter().zip(&linears).map(whole).collect();
-        let found = recipe.tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
+        let found = parameters.tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
         let mut jobs = Vec::new();
         for ((&part, linear), search) in curved.iter().zip(&linears).zip(&found) {
             if let Some([low, high]) = search.window(linear) {
@@ -210,11 +210,11 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
         let at_once = (RAYS_AT_ONCE / source.rays.pow(2).max(1)).max(1);
         for jobs in jobs.chunks(at_once) {
             let (jobs, bundles): (Vec<_>, Vec<_>) = jobs.iter().copied().unzip();
-            let grids = recipe.tracing.grids(lens, gap, &bundles, source.rays)?;
+            let grids = parameters.tracing.grids(lens, gap, &bundles, source.rays)?;
             traced.extend(grids_of(&jobs, grids.into_iter().map(Some).collect()));
         }
     }
-    if recipe.mode != FlareMode::Blended || recipe.blend != Blend::Alpha {
+    if parameters.mode != FlareMode::Blended || parameters.blend != Blend::Alpha {
         added.extend(traced);
         traced = Vec::new();
     }
@@ -235,9 +235,9 @@ pub fn flare_mesh(recipe: &FlareRecipe<'_>) -> Result<FlareMesh, GpuError> {
 }
 
 /// Which images of which ghosts are drawn.
-fn parts(recipe: &FlareRecipe<'_>) -> Vec<Part> {
-    let FlareRecipe { lens, source, .. } = *recipe;
-    let ghosts = match recipe.only {
+fn parts(parameters: &FlareParameters<'_>) -> Vec<Part> {
+    let FlareParameters { lens, source, .. } = *parameters;
+    let ghosts = match parameters.only {
         Some(ghost) => vec![ghost],
         None => single_crossing_ghosts(lens),
     };
@@ -245,28 +245,28 @@ fn parts(recipe: &FlareRecipe<'_>) -> Vec<Part> {
         .into_par_iter()
         .map(|ghost| {
             // Beside a table of images, ghosts are shared out as they were when it was drawn.
-            let (mode, blend) = match recipe.pattern {
-                Pattern::Whole => (recipe.mode, recipe.blend),
+            let (mode, blend) = match parameters.pattern {
+                Pattern::Whole => (parameters.mode, parameters.blend),
                 _ => (FlareMode::Blended, Blend::Add),
             };
-            let [linear, nonlinear] = match (mode, recipe.table) {
+            let [linear, nonlinear] = match (mode, parameters.table) {
                 (FlareMode::Paraxial | FlareMode::TwoRays, _) => [1.0, 0.0],
                 (FlareMode::Exact, _) => [0.0, 1.0],
                 (FlareMode::Blended, Some(table)) => match table.ghost(ghost) {
                     Some(_) if blend == Blend::Add => [0.0, 1.0],
-                    Some(tabled) => shares(blend, tabled.departure(source.angle)),
+                    Some(tabled) => shares(blend, tabled.nonlinearity_error(source.angle)),
                     None => [1.0, 0.0],
                 },
                 (FlareMode::Blended, None) => {
-                    let departure = nonlinearity(lens, ghost, source.angle, source.f_number);
-                    shares(blend, departure.unwrap_or(f64::INFINITY))
+                    let nonlinearity_error = nonlinearity(lens, ghost, source.angle, source.f_number);
+                    shares(blend, nonlinearity_error.unwrap_or(f64::INFINITY))
                 }
             };
             let drawn = |is_drawn: bool, share: f64| if is_drawn { share } else { 0.0 };
             Part {
                 ghost,
-                linear: drawn(recipe.pattern != Pattern::Nonlinear, linear),
-                nonlinear: drawn(recipe.pattern != Pattern::Linear, nonlinear),
+                linear: drawn(parameters.pattern != Pattern::Nonlinear, linear),
+                nonlinear: drawn(parameters.pattern != Pattern::Linear, nonlinear),
             }
         })
         .collect()

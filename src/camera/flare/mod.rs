@@ -28,8 +28,8 @@
 //! | | brightness by the ratio of entrance to sensor area, coatings, colours | `source::radiance`, `lens::reflectance`, `spectrum` | `a_ghost_keeps_its_light`, `reflectance_agrees_with_an_independent_transfer_matrix`, `a_spectrum_adds_up_to_white` |
 //! | B 1 | nonlinear patterns of ghosts, found, made beforehand over the angle from the axis, kept in a table, and drawn with linear ones | `nonlinearity`, `FlareTable::bake`, `flare_mesh` | `the_table_comes_near_dense_exact_rays` |
 //! | B 2 | patterns out of pictures taken at known angles | `table_from_photos`, `ImageTable` | `tables_of_images_play_what_was_recorded` |
-//! | B 3 | at play-back, the linear part or not, as the table says | `ImageTable::with_linear`, `TableFile::at` | the same |
-//! | B 4 | turned about the axis with the light, and blended with the linear part | `source::turned`, `PlayedImage::turn`, `Blend` | the same, `blends_pass_from_linear_to_nonlinear` |
+//! | B 3 | at evaluation, the linear part or not, as the table says | `ImageTable::with_linear`, `TableFile::at` | the same |
+//! | B 4 | turned about the axis with the light, and blended with the linear part | `source::turned`, `EvaluatedImage::turn`, `Blend` | the same, `blends_pass_from_linear_to_nonlinear` |
 //! | | blends by addition, interpolation and alpha | `blend::shares`, `FlarePass` | `blends_pass_from_linear_to_nonlinear` |
 //! | | size and brightness fitted to the linear ghosts | `blend::fitted` | `nonlinear_ghosts_can_be_fitted_to_linear_ones` |
 //! | | a table over two angles, compressed | `FlareRenderer::bake_images`, `write_table` | `tables_of_images_play_what_was_recorded` |
@@ -54,7 +54,7 @@ mod tracing;
 
 pub use aperture::Aperture;
 pub use blend::{Blend, Fit};
-pub use mesh::{FlareMesh, FlareMode, FlareRecipe, Pattern, flare_mesh};
+pub use mesh::{FlareMesh, FlareMode, FlareParameters, Pattern, flare_mesh};
 pub use nonlinear::nonlinearity;
 pub use pass::{FlareFrame, FlarePass};
 pub use quality::{Preset, Quality};

@@ -23,7 +23,7 @@ const MASK_SIDE: u32 = 512;
 const MASK_REACH: f64 = 1.1;
 
 /// Most corners in one buffer.
-const MOST_VERTICES: u64 = 3_000_000;
+const MAX_VERTICES: u64 = 3_000_000;
 
 /// The pipelines with an aperture.
 pub struct FlarePass {
@@ -97,7 +97,7 @@ impl FlarePass {
         };
         let uniforms = uniform_buffer(gpu, "flare", &frame);
         // A buffer holds so many triangles at a time.
-        let most = (gpu.device.limits().max_buffer_size / size_of::<FlareVertex>() as u64).min(MOST_VERTICES);
+        let most = (gpu.device.limits().max_buffer_size / size_of::<FlareVertex>() as u64).min(MAX_VERTICES);
         let most = most as usize / 3 * 3;
         let mut draws = Vec::new();
         for (pipeline, vertices) in [

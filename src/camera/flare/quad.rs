@@ -13,7 +13,7 @@ use crate::camera::trace::{Tracer, beam_direction};
 /// Columns and rows of two triangles' corners.
 const CORNERS: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)];
 
-/// Share of the way from a quad's middle to its side where a ray still passes the iris.
+/// Share of the way from a quad's centre to its side where a ray still passes the iris.
 const INNER: f64 = 0.6;
 
 /// The flare quad of a ghost: four entrance points, each carried by the matrices.
@@ -27,9 +27,9 @@ pub fn quad(
     let corners = if source.whole_entrance {
         [DVec2::ZERO, DVec2::splat(linear.barrel_mm)]
     } else {
-        [linear.middle, linear.half]
+        [linear.centre, linear.half]
     };
-    let Some(losses) = Losses::of(tracer, linear, source, ghost) else {
+    let Some(losses) = Losses::from_ray(tracer, linear, source, ghost) else {
         return Vec::new();
     };
     let corner = |column: usize, row: usize| {
@@ -48,7 +48,7 @@ pub fn quad(
 }
 
 /// The same from two entrance points, the ends of the pupil in the plane of the beam: the linear image is similar to the
-/// entrance, so that they tell a square sprite's middle and half its side, on the sensor and in the stop.
+/// entrance, so that they tell a square sprite's centre and half its side, on the sensor and in the stop.
 pub fn two_rays(
     tracer: &Tracer<'_>,
     linear: &LinearGhost,
@@ -56,11 +56,11 @@ pub fn two_rays(
     source: &FlareSource,
     ghost: Ghost,
 ) -> Vec<FlareVertex> {
-    let Some(losses) = Losses::of(tracer, linear, source, ghost) else {
+    let Some(losses) = Losses::from_ray(tracer, linear, source, ghost) else {
         return Vec::new();
     };
     let reach = linear.half.max_element();
-    let ends = [-reach, reach].map(|along| linear.middle + DVec2::new(along, 0.0));
+    let ends = [-reach, reach].map(|along| linear.centre + DVec2::new(along, 0.0));
     let [low, high] = ends.map(|entry| [linear.sensor(entry), linear.stop(entry) / -linear.stop_mm]);
     // Brightness by the ratio of the two lengths, squared.
     let areas = ((2.0 * reach) / (high[0].x - low[0].x)).powi(2);
@@ -68,7 +68,7 @@ pub fn two_rays(
     CORNERS
         .map(|(column, row)| {
             let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
-            let entry = linear.middle + reach * side;
+            let entry = linear.centre + reach * side;
             FlareVertex {
                 sensor_mm: turned(sprite(0, side), source),
                 stop: turned(sprite(1, side), source),
@@ -82,24 +82,29 @@ pub fn two_rays(
 
 /// Share of the power that arrives, linear over the entrance.
 pub struct Losses {
-    middle: DVec2,
+    centre: DVec2,
     power: f64,
     slope: DVec2,
 }
 
 impl Losses {
-    /// At the true angles of the ray through the middle (of an axial one where that ray does not arrive), changing by rays to
+    /// At the true angles of the ray through the centre (of an axial one where that ray does not arrive), changing by rays to
     /// either side that the iris still lets through. None when neither arrives, or
     /// nothing of the pupil lies within the barrel.
-    pub fn of(tracer: &Tracer<'_>, linear: &LinearGhost, source: &FlareSource, ghost: Ghost) -> Option<Self> {
+    pub fn from_ray(
+        tracer: &Tracer<'_>,
+        linear: &LinearGhost,
+        source: &FlareSource,
+        ghost: Ghost,
+    ) -> Option<Self> {
         if linear.is_shut() {
             return None;
         }
-        let middle = tracer.trace(Some(ghost), linear.middle, beam_direction(source.angle));
+        let centre = tracer.trace(Some(ghost), linear.centre, beam_direction(source.angle));
         let axial = || tracer.trace(Some(ghost), DVec2::ZERO, beam_direction(0.0));
-        let power = middle.or_else(axial)?.power;
+        let power = centre.or_else(axial)?.power;
         let beside = |offset: DVec2| {
-            let inner = linear.middle + INNER * linear.half * offset;
+            let inner = linear.centre + INNER * linear.half * offset;
             tracer
                 .trace(Some(ghost), inner, beam_direction(source.angle))
                 .map_or(power, |ray| ray.power)
@@ -109,7 +114,7 @@ impl Losses {
             beside(DVec2::Y) - beside(DVec2::NEG_Y),
         ) / (2.0 * INNER * linear.half);
         Some(Self {
-            middle: linear.middle,
+            centre: linear.centre,
             power,
             slope,
         })
@@ -117,6 +122,6 @@ impl Losses {
 
     /// At a place in the entrance, millimetres.
     pub fn power_at(&self, entry: DVec2) -> f64 {
-        self.power + self.slope.dot(entry - self.middle)
+        self.power + self.slope.dot(entry - self.centre)
     }
 }

@@ -41,8 +41,8 @@ pub fn spectrum(count: usize) -> Vec<Wavelength> {
 /// Linear sRGB of light of one wavelength in nanometres: CIE 1931 by the sums of Gaussians of Wyman, Sloan & Shirley
 /// (2013, JCGT 2(2), listing 1), then IEC 61966-2-1's matrix; what lies outside the gamut is cut at 0.
 fn linear_srgb(nm: f64) -> [f64; 3] {
-    let lobe = |height: f64, middle: f64, below: f64, above: f64| {
-        let t = (nm - middle) * if nm < middle { below } else { above };
+    let lobe = |height: f64, centre: f64, below: f64, above: f64| {
+        let t = (nm - centre) * if nm < centre { below } else { above };
         height * (-0.5 * t * t).exp()
     };
     let x = lobe(0.362, 442.0, 0.0624, 0.0374)

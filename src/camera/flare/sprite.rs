@@ -13,10 +13,10 @@ use crate::gpu::{Gpu, Target, shader_module, uniform_buffer};
 #[repr(C)]
 #[allow(missing_docs)]
 pub struct SpriteFrame {
-    pub middle_mm: [f32; 2],
+    pub centre_mm: [f32; 2],
     pub half_mm: [f32; 2],
     pub turn: [f32; 2],
-    pub picture_half_mm: [f32; 2],
+    pub image_half_mm: [f32; 2],
     pub radiance: [f32; 3],
     pub padding: f32,
 }
@@ -27,23 +27,23 @@ pub struct Sprite<'a> {
     pub texels: &'a [[f32; 3]],
     /// Columns and rows.
     pub size: [u32; 2],
-    /// Its middle on the film before the turn, millimetres, x right and y up.
-    pub middle_mm: DVec2,
+    /// Its centre on the film before the turn, millimetres, x right and y up.
+    pub centre_mm: DVec2,
     /// Half its sides.
     pub half_mm: DVec2,
-    /// Turn about the middle of the film, anticlockwise, radians.
+    /// Turn about the centre of the film, anticlockwise, radians.
     pub turn: f64,
     /// Factor on its values.
     pub radiance: [f64; 3],
 }
 
-/// Adds a sprite to `target`, whose picture spans `picture_half_mm` to each side.
+/// Adds a sprite to `target`, whose picture spans `image_half_mm` to each side.
 pub fn encode_sprite(
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     target: &Target,
     sprite: &Sprite<'_>,
-    picture_half_mm: [f64; 2],
+    image_half_mm: [f64; 2],
 ) {
     let texels: Vec<[half::f16; 4]> = sprite
         .texels
@@ -70,10 +70,10 @@ pub fn encode_sprite(
         bytemuck::cast_slice(&texels),
     );
     let frame = SpriteFrame {
-        middle_mm: sprite.middle_mm.as_vec2().to_array(),
+        centre_mm: sprite.centre_mm.as_vec2().to_array(),
         half_mm: sprite.half_mm.as_vec2().to_array(),
         turn: DVec2::from_angle(sprite.turn).as_vec2().to_array(),
-        picture_half_mm: picture_half_mm.map(|side| side as f32),
+        image_half_mm: image_half_mm.map(|side| side as f32),
         radiance: sprite.radiance.map(|channel| channel as f32),
         padding: 0.0,
     };
@@ -112,10 +112,10 @@ pub fn encode_images(
     table: &ImageTable,
     [angle, turn]: [f64; 2],
     irradiance: [f64; 3],
-    picture_half_mm: [f64; 2],
+    image_half_mm: [f64; 2],
 ) {
-    for played in table.play(angle, turn) {
-        let image = played.image;
+    for evaluated in table.evaluate(angle, turn) {
+        let image = evaluated.image;
         let (low, high) = (DVec2::from_array(image.low_mm), DVec2::from_array(image.high_mm));
         let radiance = image.radiance();
         let most = radiance
@@ -127,11 +127,11 @@ pub fn encode_images(
         let sprite = Sprite {
             texels: &texels,
             size: image.size,
-            middle_mm: 0.5 * (low + high),
+            centre_mm: 0.5 * (low + high),
             half_mm: 0.5 * (high - low),
-            turn: played.turn,
-            radiance: irradiance.map(|channel| channel * played.share * f64::from(most)),
+            turn: evaluated.turn,
+            radiance: irradiance.map(|channel| channel * evaluated.share * f64::from(most)),
         };
-        encode_sprite(gpu, encoder, target, &sprite, picture_half_mm);
+        encode_sprite(gpu, encoder, target, &sprite, image_half_mm);
     }
 }

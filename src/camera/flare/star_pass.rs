@@ -39,8 +39,8 @@ pub fn encode_starburst(
     colours: &[Wavelength],
     half_mm: [f64; 2],
 ) {
-    let diffraction = Diffraction::of(aperture, star.mask_side, MASK_REACH);
-    // All of the transform's bins in the middle of the spectrum.
+    let diffraction = Diffraction::from_aperture(aperture, star.mask_side, MASK_REACH);
+    // All of the transform's bins in the centre of the spectrum.
     let span_mm = 0.5 * star.mask_side as f64 * diffraction.bin_mm(0.5, star.f_number);
     let side = star.mask_side / PATTERN_SHARE;
     let spread = diffraction.spread(colours, star.f_number, star.disc_mm, side, span_mm);
@@ -55,7 +55,7 @@ pub fn encode_starburst(
     let sprite = Sprite {
         texels: &texels,
         size: [side as u32; 2],
-        middle_mm: DVec2::from_array(star.at_mm),
+        centre_mm: DVec2::from_array(star.at_mm),
         half_mm: DVec2::splat(span_mm),
         turn: 0.0,
         radiance: star.irradiance.map(|channel| channel * scale),

@@ -15,7 +15,7 @@ use super::{Aperture, Wavelength};
 /// The power of the far field of an aperture.
 #[derive(Clone, Debug)]
 pub struct Diffraction {
-    /// Bins along a side, zero frequency in the middle (`side / 2`).
+    /// Bins along a side, zero frequency in the centre (`side / 2`).
     pub side: usize,
     /// Share of all power per bin, rows from -y.
     pub power: Vec<f64>,
@@ -40,7 +40,7 @@ pub fn fft_2d<T: FftNum>(side: usize, field: &mut Vec<Complex<T>>) {
 
 impl Diffraction {
     /// Of an aperture on a mask of `side` texels that spans `reach` pupil diameters.
-    pub fn of(aperture: &Aperture, side: usize, reach: f64) -> Self {
+    pub fn from_aperture(aperture: &Aperture, side: usize, reach: f64) -> Self {
         let mut mask: Vec<f64> = aperture
             .mask(side as u32, reach)
             .into_iter()
@@ -106,7 +106,7 @@ impl Diffraction {
             .collect()
     }
 
-    /// All bins put onto an image whose pixels are 1 / `scale` bins wide, its middle in the middle.
+    /// All bins put onto an image whose pixels are 1 / `scale` bins wide, its centre in the centre.
     fn splat(&self, scale: f64, pixels: usize) -> Vec<f64> {
         let mut image = vec![0.0; pixels * pixels];
         let half = 0.5 * pixels as f64 - 0.5;

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{BUILT_IN, Lens, LensError, built_in, codev, csv, pbrt, table, zemax};
 
 /// Largest prescription file that is read: a table of surfaces is a few kilobytes.
-const MOST_BYTES: u64 = 16 << 20;
+const MAX_BYTES: u64 = 16 << 20;
 
 /// A built-in name, or a file by its ending.
 ///
@@ -27,7 +27,7 @@ pub fn open(name: &str) -> Result<Lens, LensError> {
         source,
     };
     let size = std::fs::metadata(path).map_err(read)?.len();
-    if size > MOST_BYTES {
+    if size > MAX_BYTES {
         return Err(LensError::Syntax {
             path: path.to_owned(),
             what: format!("{size} bytes are too many for a lens prescription"),

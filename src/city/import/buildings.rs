@@ -16,7 +16,7 @@ use crate::city::codec;
 use crate::city::geotiff::GeoKeys;
 use crate::city::ground::Ground;
 use crate::city::store::{Layer, tile_path};
-use crate::source::{Footprint, FootprintReport, MapWriter};
+use crate::source::{Footprint, FootprintDatasetWriter, FootprintReport};
 use crate::space::TileId;
 
 /// A building, whether part of it lies over missing ground, and why its height is the default one; or the id of a
@@ -24,11 +24,11 @@ use crate::space::TileId;
 type Standing = Result<(Building, bool, Option<&'static str>), u32>;
 
 /// Gives every footprint its base and roof; those without ground are left out of the report and the map.
-pub fn stand_on_ground(
+pub fn resolve_base_elevations(
     footprints: Vec<Footprint>,
     ground: &Ground,
     report: &mut FootprintReport,
-    map: &mut MapWriter,
+    map: &mut FootprintDatasetWriter,
 ) -> Result<Vec<Building>, CityError> {
     let failure: Mutex<Option<CityError>> = Mutex::new(None);
     let standing: Vec<Standing> = footprints
@@ -55,7 +55,7 @@ pub fn stand_on_ground(
         match result {
             Ok((building, partly_missing, default_height)) => {
                 if partly_missing {
-                    report.mend("partly over missing ground: stands on what there is");
+                    report.repair("partly over missing ground: stands on what there is");
                 }
                 if let Some(why) = default_height {
                     report.default_height(why);
@@ -63,7 +63,7 @@ pub fn stand_on_ground(
                 buildings.push(building);
             }
             Err(fid) => {
-                report.leave_out_kept("no ground under it");
+                report.reject_accepted("no ground under it");
                 groundless.push(fid);
             }
         }

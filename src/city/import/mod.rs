@@ -1,30 +1,30 @@
 //! Survey files to a city folder, tile by tile.
 //!
 //! ```text
-//! footprints ─▶ digital map ─┐
+//! footprints ─▶ footprint dataset ─┐
 //! DTM ─▶ terrain tiles ─▶ bases ─▶ building-map tiles ─▶ manifest
-//! photos ─▶ photo tiles ───────────────────────────────────┘
+//! orthophotos ─▶ orthophoto tiles ───────────────────────────────────┘
 //! ```
 //! Memory: the footprints, 192 MiB of ground and a few tiles a thread. All cores. Everything goes to a staging
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
 mod buildings;
 mod options;
-mod photos;
+mod imagery;
 mod plan;
 mod progress;
-mod remarks;
+mod warnings;
 mod sources;
 mod terrain;
 
-use buildings::{make_building_maps, stand_on_ground};
-use options::{check_numbers, recipe, refuse_inputs_inside};
-use photos::make_photos;
-use plan::{Plan, left_out};
+use buildings::{make_building_maps, resolve_base_elevations};
+use imagery::make_imagery;
+use options::{cache_key, check_numbers, refuse_inputs_inside};
+use plan::{Plan, rejected};
 use progress::progress;
-use remarks::remarks;
 use sources::Sources;
 use terrain::make_terrain;
+use warnings::source_warnings;
 
 pub use options::ImportOptions;
 
@@ -34,7 +34,7 @@ use super::manifest::FORMAT;
 use super::staging::Staging;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
-use crate::source::{Footprint, HeightRule, MapWriter};
+use crate::source::{Footprint, FootprintDatasetWriter, HeightRule};
 
 /// Texels along a tile's side.
 pub const TILE_TEXELS: usize = 512;
@@ -57,9 +57,9 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     check_numbers(options)?;
     let mut warnings = Vec::new();
     let sources = Sources::open(options)?;
-    let recipe = recipe(options)?;
+    let cache_key = cache_key(options)?;
     refuse_inputs_inside(options)?;
-    let staging = Staging::open(&options.out, &recipe.text)?;
+    let staging = Staging::open(&options.out, &cache_key.text)?;
     let folder = staging.folder();
 
     let rule = match &options.height_rule {
@@ -74,7 +74,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             if fields.is_empty() { "none".to_owned() } else { fields.join(", ") }
         ));
     }
-    let mut map = MapWriter::create(&folder.join("buildings.gpkg"), &sources.crs)?;
+    let mut map = FootprintDatasetWriter::create(&folder.join("buildings.gpkg"), &sources.crs)?;
     let spinner = progress("footprints", 0);
     let mut footprints: Vec<Footprint> = Vec::new();
     let mut report = sources.buildings.read(
@@ -90,7 +90,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     spinner.finish_and_clear();
 
     let plan = Plan::new(&sources, options, &footprints, &report)?;
-    let keys = GeoKeys::of(&sources.crs)?;
+    let keys = GeoKeys::from_crs(&sources.crs)?;
     let ground = Ground::new(
         folder.to_owned(),
         plan.grid,
@@ -107,22 +107,22 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             advice: "check that both files show the same place".to_owned(),
         });
     }
-    let buildings = stand_on_ground(footprints, &ground, &mut report, &mut map)?;
+    let buildings = resolve_base_elevations(footprints, &ground, &mut report, &mut map)?;
     if buildings.is_empty() {
         return Err(CityError::Unfit {
             what: format!(
                 "{}: no footprint could be kept ({} read{})",
                 options.buildings.display(),
                 report.read,
-                left_out(&report)
+                rejected(&report)
             ),
             advice: "check the layer (--layer) and that it shows the same place as the terrain".to_owned(),
         });
     }
     let (building_map_bytes, building_tiles) = make_building_maps(&buildings, &plan, folder, &keys)?;
-    let (photo_side, photo_tiles) = make_photos(&sources, &plan, folder, &keys)?;
+    let (imagery_side, imagery_tiles) = make_imagery(&sources, &plan, folder, &keys)?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
-    warnings.extend(remarks(&sources, &plan.grid.bounds(), &place)?);
+    warnings.extend(source_warnings(&sources, &plan.grid.bounds(), &place)?);
     map.finish()?;
 
     let manifest = Manifest {
@@ -140,11 +140,11 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         terrain_step_m: plan.terrain_step_m,
         terrain_side: plan.terrain_side,
         terrain_error_m: options.terrain_error_m,
-        photo_side,
+        imagery_side,
         levels: 1,
         terrain_tiles: terrain.tiles,
         building_tiles,
-        photo_tiles,
+        imagery_tiles,
         buildings: buildings.len() as u64,
         default_height_m: options.default_height_m,
         terrain_triangles: terrain.triangles,
@@ -157,7 +157,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         place,
         grid: plan.grid,
         height_rule: rule,
-        sources: recipe.records,
+        sources: cache_key.records,
         footprints: report,
     };
     let text = toml::to_string_pretty(&manifest).map_err(|error| CityError::File {

@@ -18,16 +18,16 @@ pub struct ImportOptions {
     pub height_rule: Option<HeightRule>,
     /// Height of buildings without one, metres.
     pub default_height_m: f64,
-    /// Aerial photos.
-    pub photos: Vec<PathBuf>,
+    /// Aerial orthophotos.
+    pub imagery: Vec<PathBuf>,
     /// The city's CRS; none = the terrain's if it will do, else the UTM zone.
     pub crs: Option<String>,
     /// CRS of terrain files that name none.
     pub terrain_crs: Option<String>,
     /// CRS of a footprint file that names none.
     pub buildings_crs: Option<String>,
-    /// CRS of photos that name none.
-    pub photo_crs: Option<String>,
+    /// CRS of orthophotos that name none.
+    pub imagery_crs: Option<String>,
     /// Metres per vertical unit of the terrain; none = what the files say.
     pub terrain_unit_m: Option<f64>,
     /// Bound on the terrain mesh's error, metres.
@@ -51,7 +51,7 @@ pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
         .terrain
         .iter()
         .chain([&options.buildings])
-        .chain(&options.photos);
+        .chain(&options.imagery);
     for input in inputs {
         if std::fs::canonicalize(input).is_ok_and(|input| input.starts_with(&out)) {
             return Err(CityError::Unfit {
@@ -95,22 +95,22 @@ pub fn check_numbers(options: &ImportOptions) -> Result<(), CityError> {
 }
 
 /// The text that decides whether tiles of an earlier run can be kept, and the sources for the manifest.
-pub struct Recipe {
+pub struct CacheKey {
     /// Options, and every source's size and time.
     pub text: String,
     /// The sources.
     pub records: Vec<SourceRecord>,
 }
 
-/// The options and every source's size and time: an import with the same recipe makes the same tiles.
-pub fn recipe(options: &ImportOptions) -> Result<Recipe, CityError> {
+/// The options and every source's size and time: an import with the same cache_key makes the same tiles.
+pub fn cache_key(options: &ImportOptions) -> Result<CacheKey, CityError> {
     let mut records = Vec::new();
     let mut text = format!("rilievo {}\n", env!("CARGO_PKG_VERSION"));
     text += &format!("{options:?}");
     let roles = [
         ("terrain", options.terrain.as_slice()),
         ("buildings", std::slice::from_ref(&options.buildings)),
-        ("photo", options.photos.as_slice()),
+        ("photo", options.imagery.as_slice()),
     ];
     for (role, path) in roles
         .iter()
@@ -131,7 +131,7 @@ pub fn recipe(options: &ImportOptions) -> Result<Recipe, CityError> {
             bytes,
         });
     }
-    Ok(Recipe { text, records })
+    Ok(CacheKey { text, records })
 }
 
 /// The file and its companions of the same name (.dbf, .prj, world files), in order.

@@ -22,7 +22,7 @@ pub struct Plan {
 
 /// Distance between terrain samples at most, metres: the bilinear surface bends at the file's pixel centres, and where
 /// samples cannot lie on those, a coarse lattice would cut the bends off (by a quarter of the step times the bend).
-const MOST_STEP_M: f64 = 4.0;
+const MAX_STEP_M: f64 = 4.0;
 
 /// Distance between samples where the city has few enough of them.
 const CLOSE_STEP_M: f64 = 1.0;
@@ -34,10 +34,10 @@ const CLOSE_SAMPLES: f64 = 16e6;
 const SAMPLES_PER_PIXEL: f64 = 4.0;
 
 /// Most intervals along a tile's side.
-const MOST_INTERVALS: f64 = 1024.0;
+const MAX_INTERVALS: f64 = 1024.0;
 
 /// Most tiles of a city.
-const MOST_TILES: f64 = 1e6;
+const MAX_TILES: f64 = 1e6;
 
 impl Plan {
     /// Tiles that cover the built-up part of the terrain and its surroundings.
@@ -71,7 +71,7 @@ impl Plan {
                     describe(&terrain),
                     describe(&all),
                     report.read,
-                    left_out(report)
+                    rejected(report)
                 ),
                 advice: "check the files' coordinate reference systems (--buildings-crs, --terrain-crs)"
                     .to_owned(),
@@ -79,7 +79,7 @@ impl Plan {
         }
         let tile_m = options.texel_m * TILE_TEXELS as f64;
         let tiles = (bounds.width() / tile_m + 1.0) * (bounds.height() / tile_m + 1.0);
-        if tiles > MOST_TILES {
+        if tiles > MAX_TILES {
             return Err(CityError::Unfit {
                 what: format!("the city would have {tiles:.0} tiles ({})", describe(&bounds)),
                 advice: "use larger texels (--texel) or a smaller --margin".to_owned(),
@@ -91,10 +91,10 @@ impl Plan {
             return Ok(plan);
         }
         let wanted = (sources.dtm.finest_pixel_m() / SAMPLES_PER_PIXEL)
-            .min(MOST_STEP_M)
+            .min(MAX_STEP_M)
             .max(0.5 * options.texel_m);
         let mut intervals = 16;
-        while tile_m / intervals as f64 > wanted && (intervals as f64) < MOST_INTERVALS {
+        while tile_m / intervals as f64 > wanted && (intervals as f64) < MAX_INTERVALS {
             intervals *= 2;
         }
         // A small city can afford closer samples, and with them a smaller part of its bends cut off.
@@ -122,12 +122,12 @@ impl Plan {
     /// file's to the last bit. The tile's side becomes the nearest whole number of pixels, and the texel follows it.
     fn on_pixels(bounds: &Bounds, tile_m: f64, anchor: DVec2, pixel_m: f64, fill_m: f64) -> Option<Self> {
         let pixels = (tile_m / pixel_m).round();
-        let parts = (pixel_m / MOST_STEP_M).ceil().max(1.0);
+        let parts = (pixel_m / MAX_STEP_M).ceil().max(1.0);
         let side_m = pixels * pixel_m;
         let near_enough = (side_m / tile_m - 1.0).abs() < 0.25;
         // A hole is as wide as its pixels, and missing up to the known centres on both sides of it.
         let hole_samples = (fill_m / pixel_m).floor() * parts + parts - 1.0;
-        (near_enough && pixels * parts <= MOST_INTERVALS).then(|| Self {
+        (near_enough && pixels * parts <= MAX_INTERVALS).then(|| Self {
             grid: TileGrid::covering(bounds, side_m, anchor, pixel_m),
             terrain_side: (pixels * parts) as usize + 1,
             terrain_step_m: pixel_m / parts,
@@ -150,8 +150,8 @@ fn outline_bounds(footprint: &Footprint) -> Bounds {
 }
 
 /// Why features became no building, for a message.
-pub fn left_out(report: &FootprintReport) -> String {
-    let reasons = report.left_out.iter();
+pub fn rejected(report: &FootprintReport) -> String {
+    let reasons = report.rejected.iter();
     reasons
         .map(|(why, count)| format!(", {count} left out: {why}"))
         .collect()

@@ -2,7 +2,7 @@
 
 use super::ImportOptions;
 use crate::city::CityError;
-use crate::source::{CrsChoice, Dtm, FootprintSource, Photos};
+use crate::source::{CrsChoice, Dtm, FootprintSource, Imagery};
 use crate::space::Crs;
 
 /// Opened sources.
@@ -11,8 +11,8 @@ pub struct Sources {
     pub dtm: Dtm,
     /// Footprints.
     pub buildings: FootprintSource,
-    /// Photos.
-    pub photos: Option<Photos>,
+    /// Orthophotos.
+    pub imagery: Option<Imagery>,
     /// The city's.
     pub crs: Crs,
 }
@@ -40,14 +40,14 @@ impl Sources {
                 Crs::utm_of(centre.x, centre.y)?
             }
         };
-        let photo_crs = CrsChoice::new(parse(&options.photo_crs)?, Some(&crs));
-        let photos = (!options.photos.is_empty())
-            .then(|| Photos::open(&options.photos, &photo_crs, &crs))
+        let imagery_crs = CrsChoice::new(parse(&options.imagery_crs)?, Some(&crs));
+        let imagery = (!options.imagery.is_empty())
+            .then(|| Imagery::open(&options.imagery, &imagery_crs, &crs))
             .transpose()?;
         Ok(Self {
             dtm,
             buildings,
-            photos,
+            imagery,
             crs,
         })
     }

@@ -24,7 +24,7 @@ use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, tin_triangles
 pub struct TerrainTotals {
     /// Tiles with ground.
     pub tiles: u64,
-    /// Triangles of the irregular network.
+    /// Triangles of the TIN.
     pub triangles: u64,
     /// Triangles of the regular grid.
     pub grid_triangles: u64,

@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
-use super::sampler::SheetSampler;
-use super::sheet::Sheet;
+use super::mosaic_source::MosaicSource;
+use super::sampler::MosaicSampler;
 use crate::source::{CrsChoice, SourceError};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Terrain rasters, finest pixels first; where several cover a point the first that knows it counts.
 #[derive(Clone, Debug)]
 pub struct Dtm {
-    sheets: Vec<Sheet>,
+    sources: Vec<MosaicSource>,
 }
 
 impl Dtm {
@@ -26,49 +26,49 @@ impl Dtm {
         choice: &CrsChoice,
         metres_per_unit: Option<f64>,
     ) -> Result<Self, SourceError> {
-        let mut sheets: Vec<Sheet> = Vec::new();
+        let mut sources: Vec<MosaicSource> = Vec::new();
         for file in files {
-            let sheet = Sheet::open(file, choice, metres_per_unit)?;
-            match sheets.iter_mut().find(|other| other.shares_lattice(&sheet)) {
-                Some(other) => other.join(sheet)?,
-                None => sheets.push(sheet),
+            let mosaic = MosaicSource::open(file, choice, metres_per_unit)?;
+            match sources.iter_mut().find(|other| other.shares_lattice(&mosaic)) {
+                Some(other) => other.join(mosaic)?,
+                None => sources.push(mosaic),
             }
         }
-        sheets.sort_by(|a, b| a.pixel_m.total_cmp(&b.pixel_m));
-        Ok(Self { sheets })
+        sources.sort_by(|a, b| a.pixel_m.total_cmp(&b.pixel_m));
+        Ok(Self { sources })
     }
 
     /// The CRS of the finest file.
     pub fn crs(&self) -> &Crs {
-        &self.sheets[0].crs
+        &self.sources[0].crs
     }
 
     /// Side of the finest pixel, metres.
     pub fn finest_pixel_m(&self) -> f64 {
-        self.sheets[0].pixel_m
+        self.sources[0].pixel_m
     }
 
     /// Side of the coarsest pixel, metres.
     pub fn coarsest_pixel_m(&self) -> f64 {
-        self.sheets.last().map_or(0.0, |sheet| sheet.pixel_m)
+        self.sources.last().map_or(0.0, |mosaic| mosaic.pixel_m)
     }
 
     /// A pixel centre and the pixel's side, when all files share one lattice in the city's CRS, north up
     /// with square pixels: then the city's samples can be the file's own.
     pub fn lattice_in(&self, city: &Crs) -> Option<(DVec2, f64)> {
-        let [sheet] = self.sheets.as_slice() else {
+        let [mosaic] = self.sources.as_slice() else {
             return None;
         };
-        let [x0, dx, rx, y0, ry, dy] = sheet.ground_from_pixel;
+        let [x0, dx, rx, y0, ry, dy] = mosaic.ground_from_pixel;
         let square = rx == 0.0 && ry == 0.0 && dx > 0.0 && (dx + dy).abs() < 1e-9 * dx;
-        (square && sheet.crs.same_as(city)).then(|| (DVec2::new(x0 + 0.5 * dx, y0 + 0.5 * dy), dx))
+        (square && mosaic.crs.same_as(city)).then(|| (DVec2::new(x0 + 0.5 * dx, y0 + 0.5 * dy), dx))
     }
 
     /// The rectangle of all pixels in the city's CRS, metres.
     pub fn bounds_in(&self, city: &Crs) -> Result<Bounds, SourceError> {
         let mut bounds = Bounds::EMPTY;
-        for sheet in &self.sheets {
-            bounds = bounds.union(&sheet.bounds_in(city)?);
+        for mosaic in &self.sources {
+            bounds = bounds.union(&mosaic.bounds_in(city)?);
         }
         Ok(bounds)
     }
@@ -76,9 +76,9 @@ impl Dtm {
     /// Files none of whose pixels lie in a rectangle of the city.
     pub fn files_outside(&self, city: &Crs, bounds: &Bounds) -> Result<Vec<&Path>, SourceError> {
         let mut outside = Vec::new();
-        for sheet in &self.sheets {
-            for file in &sheet.files {
-                if !sheet.part_in(city, file.first, file.size)?.meets(bounds) {
+        for mosaic in &self.sources {
+            for file in &mosaic.files {
+                if !mosaic.part_in(city, file.first, file.size)?.meets(bounds) {
                     outside.push(file.path.as_path());
                 }
             }
@@ -87,23 +87,23 @@ impl Dtm {
     }
 
     /// Files in a CRS not in metres that say nothing of their vertical unit: their heights are taken as metres.
-    pub fn files_of_unsaid_unit(&self) -> impl Iterator<Item = &Path> {
-        let files = self.sheets.iter().flat_map(|sheet| &sheet.files);
+    pub fn files_of_unspecified_unit(&self) -> impl Iterator<Item = &Path> {
+        let files = self.sources.iter().flat_map(|mosaic| &mosaic.files);
         files
-            .filter(|file| file.unit_unsaid)
+            .filter(|file| file.unit_unspecified)
             .map(|file| file.path.as_path())
     }
 
-    /// Longitude and latitude of the finest sheet's middle, degrees.
+    /// Longitude and latitude of the finest mosaic source's centre, degrees.
     pub fn centre_on_globe(&self) -> Result<DVec2, SourceError> {
-        let sheet = &self.sheets[0];
-        let crs_error = |source| sheet.crs_error(source);
+        let mosaic = &self.sources[0];
+        let crs_error = |source| mosaic.crs_error(source);
         let globe = Crs::from_text("EPSG:4326").map_err(crs_error)?;
-        PointTransform::new(&sheet.crs, &globe)
+        PointTransform::new(&mosaic.crs, &globe)
             .map_err(crs_error)?
-            .point(sheet.bounds.centre())
+            .point(mosaic.bounds.centre())
             .ok_or_else(|| SourceError::Unfit {
-                path: sheet.files[0].path.clone(),
+                path: mosaic.files[0].path.clone(),
                 what: "lies outside the area of its own coordinate reference system".to_owned(),
                 advice: "check its georeference, or name the right CRS with --terrain-crs EPSG:n".to_owned(),
             })
@@ -111,18 +111,18 @@ impl Dtm {
 
     /// Opens the files for reading; one sampler per thread.
     pub fn sampler(&self, city: &Crs) -> Result<DtmSampler, SourceError> {
-        let sheets = self
-            .sheets
+        let sources = self
+            .sources
             .iter()
-            .map(|sheet| SheetSampler::open(sheet, city))
+            .map(|mosaic| MosaicSampler::open(mosaic, city))
             .collect::<Result<_, _>>()?;
-        Ok(DtmSampler { sheets })
+        Ok(DtmSampler { sources })
     }
 }
 
 /// The terrain opened for reading by one thread.
 pub struct DtmSampler {
-    sheets: Vec<SheetSampler>,
+    sources: Vec<MosaicSampler>,
 }
 
 impl DtmSampler {
@@ -137,11 +137,11 @@ impl DtmSampler {
         size: [usize; 2],
     ) -> Result<Vec<f32>, SourceError> {
         let mut heights = vec![f32::NAN; size[0] * size[1]];
-        for sheet in &mut self.sheets {
+        for mosaic in &mut self.sources {
             if heights.iter().all(|height| !height.is_nan()) {
                 break;
             }
-            sheet.fill_lattice(origin, step, first, size, &mut heights)?;
+            mosaic.fill_lattice(origin, step, first, size, &mut heights)?;
         }
         Ok(heights)
     }

@@ -1,10 +1,10 @@
-//! Rasters: the bare-earth terrain (`dtm`) and aerial photos (`photo`).
+//! Rasters: the bare-earth terrain (`dtm`) and aerial orthophotos (`orthophoto`).
 
 mod dtm;
-mod photo;
+mod imagery;
 mod sampler;
-mod sheet;
+mod mosaic_source;
 mod window;
 
 pub use dtm::{Dtm, DtmSampler};
-pub use photo::Photos;
+pub use imagery::Imagery;

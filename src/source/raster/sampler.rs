@@ -1,4 +1,4 @@
-//! One sheet of terrain opened for reading: heights on a lattice of the city, bilinear in the file's own pixels.
+//! One mosaic source of terrain opened for reading: heights on a lattice of the city, bilinear in the file's own pixels.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use gdal::raster::ResampleAlg;
 use gdal::{Dataset, GeoTransformEx};
 use glam::DVec2;
 
-use super::sheet::{Sheet, SheetFile, open_raster};
+use super::mosaic_source::{MosaicFile, MosaicSource, open_raster};
 use super::window::Window;
 use crate::source::{SourceError, gdal_says};
 use crate::space::{Crs, PointTransform};
@@ -18,30 +18,30 @@ const BELIEVABLE_M: std::ops::Range<f64> = -12_000.0..9_000.0;
 const UNDECLARED_NO_DATA: f64 = -9999.0;
 
 /// Most pixels read at a time for one tile (64 MiB of f32).
-const MOST_PIXELS: usize = 1 << 24;
+const MAX_PIXELS: usize = 1 << 24;
 
 /// Samples between two points where the transformation to the file's CRS is computed exactly.
 const TRANSFORM_STEP: usize = 16;
 
-/// One sheet opened, with the way from the city's CRS to its pixels.
-pub struct SheetSampler {
-    sheet: Sheet,
+/// One mosaic source opened, with the way from the city's CRS to its pixels.
+pub struct MosaicSampler {
+    mosaic: MosaicSource,
     files: Vec<OpenFile>,
     file_from_city: PointTransform,
 }
 
-/// One file of a sheet.
+/// One file of a mosaic source.
 struct OpenFile {
     dataset: Dataset,
-    place: SheetFile,
+    place: MosaicFile,
     no_data: Option<f64>,
     scale: f64,
     offset: f64,
 }
 
-impl SheetSampler {
-    pub fn open(sheet: &Sheet, city: &Crs) -> Result<Self, SourceError> {
-        let files = sheet
+impl MosaicSampler {
+    pub fn open(mosaic: &MosaicSource, city: &Crs) -> Result<Self, SourceError> {
+        let files = mosaic
             .files
             .iter()
             .map(|place| {
@@ -49,17 +49,17 @@ impl SheetSampler {
                 let band = dataset.rasterband(1).map_err(|e| damaged(&place.path, &e))?;
                 Ok(OpenFile {
                     no_data: band.no_data_value(),
-                    scale: band.scale().unwrap_or(1.0) * sheet.metres_per_unit,
-                    offset: band.offset().unwrap_or(0.0) * sheet.metres_per_unit,
+                    scale: band.scale().unwrap_or(1.0) * mosaic.metres_per_unit,
+                    offset: band.offset().unwrap_or(0.0) * mosaic.metres_per_unit,
                     place: place.clone(),
                     dataset,
                 })
             })
             .collect::<Result<_, _>>()?;
         Ok(Self {
-            file_from_city: PointTransform::new(city, &sheet.crs)
-                .map_err(|source| sheet.crs_error(source))?,
-            sheet: sheet.clone(),
+            file_from_city: PointTransform::new(city, &mosaic.crs)
+                .map_err(|source| mosaic.crs_error(source))?,
+            mosaic: mosaic.clone(),
             files,
         })
     }
@@ -78,7 +78,7 @@ impl SheetSampler {
         };
         // A tile of a very fine raster is read in bands of rows that fit in memory.
         let window_pixels = (high[0] - low[0]) * (high[1] - low[1]);
-        if window_pixels > MOST_PIXELS && size[1] > 1 {
+        if window_pixels > MAX_PIXELS && size[1] > 1 {
             let half = size[1] / 2;
             let (south, north) = heights.split_at_mut(half * size[0]);
             self.fill_lattice(origin, step, first, [size[0], half], south)?;
@@ -104,7 +104,7 @@ impl SheetSampler {
     /// place alone and neighbours agree on their common border.
     fn pixel_coordinates(&self, origin: DVec2, step: f64, first: [i64; 2], size: [usize; 2]) -> Vec<DVec2> {
         let to_pixel = |point: DVec2| {
-            let (column, row) = self.sheet.pixel_from_ground.apply(point.x, point.y);
+            let (column, row) = self.mosaic.pixel_from_ground.apply(point.x, point.y);
             DVec2::new(column, row)
         };
         if self.file_from_city.is_identity() {
@@ -158,7 +158,7 @@ impl SheetSampler {
             low = low.min(*pixel);
             high = high.max(*pixel);
         }
-        let [width, height] = self.sheet.size;
+        let [width, height] = self.mosaic.size;
         let clamp = |value: f64, count: usize| value.clamp(0.0, count as f64) as usize;
         let first = [clamp(low.x - 1.5, width), clamp(low.y - 1.5, height)];
         let last = [clamp(high.x + 2.5, width), clamp(high.y + 2.5, height)];

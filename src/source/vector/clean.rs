@@ -24,7 +24,7 @@ pub struct CleanReport {
 const SAME_POINT_M: f64 = 1e-3;
 
 /// Smaller rings are no building, square metres.
-const LEAST_AREA_M2: f64 = 0.01;
+const MIN_AREA_M2: f64 = 0.01;
 
 /// The cleaned outline, outer rings counter-clockwise, or why there is none.
 pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanReport), &'static str> {
@@ -75,26 +75,26 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
         report.rebuilt = true;
     }
     let parts = multi.0.len();
-    multi.0.retain(|polygon| polygon.unsigned_area() >= LEAST_AREA_M2);
+    multi.0.retain(|polygon| polygon.unsigned_area() >= MIN_AREA_M2);
     report.dropped_rings |= multi.0.len() < parts;
     if multi.0.is_empty() {
         return Err("an outline without area");
     }
     let extent = multi.bounding_rect();
-    if extent.is_some_and(|extent| extent.width().max(extent.height()) > MOST_EXTENT_M) {
+    if extent.is_some_and(|extent| extent.width().max(extent.height()) > MAX_EXTENT_M) {
         return Err("wider than 50 km: broken coordinates, or no building");
     }
     Ok((multi.orient(Direction::Default), report))
 }
 
 /// Widest believable building, metres.
-const MOST_EXTENT_M: f64 = 50_000.0;
+const MAX_EXTENT_M: f64 = 50_000.0;
 
 /// Outlines beyond this are tested by GEOS, whose cost does not grow with the square of the vertices.
 const MANY_VERTICES: usize = 1000;
 
 /// Outlines that cross themselves more often are no outlines, and mending them would not end.
-const MOST_CROSSINGS: usize = 1000;
+const MAX_CROSSINGS: usize = 1000;
 
 fn vertex_count(multi: &MultiPolygon<f64>) -> usize {
     use geo::CoordsIter;
@@ -105,7 +105,7 @@ fn geos_valid(multi: &MultiPolygon<f64>) -> bool {
     Geometry::from_wkb(&super::feature::wkb_of(multi)).is_ok_and(|geometry| geometry.is_valid())
 }
 
-/// True when edges cross more often than can be mended, or there are too many edges to tell.
+/// True when edges cross more often than can be repaired, or there are too many edges to tell.
 fn is_tangled(multi: &MultiPolygon<f64>) -> bool {
     use geo::{Intersects, LinesIter};
     let lines: Vec<_> = multi.lines_iter().collect();
@@ -119,7 +119,7 @@ fn is_tangled(multi: &MultiPolygon<f64>) -> bool {
             .filter(|other| line.intersects(*other))
             .count();
         // Neighbours meet once each.
-        if crossings > MOST_CROSSINGS + lines.len() {
+        if crossings > MAX_CROSSINGS + lines.len() {
             return true;
         }
     }

@@ -20,7 +20,7 @@ pub struct FootprintSource {
     /// Lines count as outlines: CAD drawings have no areas.
     pub(super) is_cad: bool,
     pub(super) is_cityjson: bool,
-    /// Building ids: the feature's place (source files) or its FID (the digital map of record).
+    /// Building ids: the feature's place (source files) or its FID (the footprint dataset of record).
     pub(super) ids_are_fids: bool,
     /// The driver ends a damaged file like a whole one; its error messages and its own count tell.
     pub(super) reads_past_damage: bool,
@@ -64,11 +64,11 @@ impl FootprintSource {
         Ok(source)
     }
 
-    /// Opens a city's digital map of record, where a building's id is its FID.
-    pub fn open_digital_map(path: &Path) -> Result<Self, SourceError> {
+    /// Opens a city's footprint dataset of record, where a building's id is its FID.
+    pub fn open_footprint_dataset(path: &Path) -> Result<Self, SourceError> {
         let mut source = Self::open(
             path,
-            Some(super::digital_map::LAYER),
+            Some(super::footprint_dataset::LAYER),
             &CrsChoice::as_the_file_says(),
         )?;
         source.ids_are_fids = true;
@@ -86,7 +86,7 @@ impl FootprintSource {
         }
     }
 
-    /// Longitude and latitude of the middle of the layer's extent, degrees; none when OGR does not know it.
+    /// Longitude and latitude of the centre of the layer's extent, degrees; none when OGR does not know it.
     pub fn centre_on_globe(&self) -> Option<DVec2> {
         let extent = self.layer().ok()?.try_get_extent().ok()??;
         let centre = DVec2::new(

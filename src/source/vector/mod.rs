@@ -2,7 +2,7 @@
 
 mod cityjson;
 mod clean;
-mod digital_map;
+mod footprint_dataset;
 mod feature;
 mod footprints;
 mod outline;
@@ -10,7 +10,7 @@ mod reading;
 mod report;
 
 pub use clean::{CleanReport, clean_outline};
-pub use digital_map::{DigitalMap, MapWriter};
+pub use footprint_dataset::{FootprintDataset, FootprintDatasetWriter};
 pub use footprints::FootprintSource;
 pub use outline::Outline;
 pub use report::FootprintReport;

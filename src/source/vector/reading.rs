@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::clean::{CleanReport, clean_outline};
 use super::feature::{FieldPlace, collect_polygons, column_text};
 use super::outline::Outline;
-use super::{FootprintReport, FootprintSource, MapWriter};
+use super::{FootprintDatasetWriter, FootprintReport, FootprintSource};
 use crate::source::{Footprint, HeightRule, RoofSpec, SourceError};
 use crate::space::{Crs, PointTransform};
 
@@ -25,7 +25,7 @@ struct Raw {
     place: u32,
     outline: Outline,
     roof: Result<RoofSpec, &'static str>,
-    left_out: Option<&'static str>,
+    rejected: Option<&'static str>,
 }
 
 impl FootprintSource {
@@ -35,7 +35,7 @@ impl FootprintSource {
         city: &Crs,
         rule: &HeightRule,
         default_height_m: f64,
-        mut map: Option<&mut MapWriter>,
+        mut map: Option<&mut FootprintDatasetWriter>,
         mut each: impl FnMut(Footprint),
     ) -> Result<FootprintReport, SourceError> {
         let mut layer = self.layer()?;
@@ -89,7 +89,7 @@ impl FootprintSource {
                 let (outline, changes) = match outline {
                     Ok(cleaned) => cleaned,
                     Err(why) => {
-                        report.leave_out(why);
+                        report.reject(why);
                         continue;
                     }
                 };
@@ -158,12 +158,12 @@ impl FootprintSource {
             place,
             outline: Outline::default(),
             roof,
-            left_out: None,
+            rejected: None,
         };
         if let Some(index) = building_field {
             let tag = column_text(feature, index);
             if tag.is_none_or(|tag| tag == "no") {
-                raw.left_out = Some("not a building (no building tag)");
+                raw.rejected = Some("not a building (no building tag)");
                 return raw;
             }
         }
@@ -176,13 +176,13 @@ impl FootprintSource {
             Some(geometry) if !geometry.is_empty() => {
                 collect_polygons(geometry, &mut raw.outline, accept);
                 if raw.outline.polygons.is_empty() {
-                    raw.left_out = Some("not an area");
+                    raw.rejected = Some("not an area");
                 }
             }
             _ if self.is_cityjson => {
-                raw.left_out = Some("no surface of its own (parts are features of their own)")
+                raw.rejected = Some("no surface of its own (parts are features of their own)")
             }
-            _ => raw.left_out = Some("no geometry"),
+            _ => raw.rejected = Some("no geometry"),
         }
         raw
     }
@@ -194,7 +194,7 @@ impl FootprintSource {
             .map_init(
                 || PointTransform::new(from, city),
                 |transform, raw| {
-                    if let Some(why) = raw.left_out {
+                    if let Some(why) = raw.rejected {
                         return Ok(Err(why));
                     }
                     match transform {
@@ -234,7 +234,7 @@ fn count_changes(report: &mut FootprintReport, changes: CleanReport) {
         (changes.dropped_rings, "rings without area dropped"),
     ] {
         if changed {
-            report.mend(what);
+            report.repair(what);
         }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// Counts of features; `read = kept + the sum of left_out`.
+/// Counts of features; `read = kept + the sum of rejected`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FootprintReport {
     /// Features in the source.
@@ -12,9 +12,11 @@ pub struct FootprintReport {
     /// Features that became buildings.
     pub kept: u64,
     /// Kept features that had to be changed, by what was done.
-    pub mended: BTreeMap<String, u64>,
+    #[serde(rename = "mended")]
+    pub repaired: BTreeMap<String, u64>,
     /// Features that became no building, by why.
-    pub left_out: BTreeMap<String, u64>,
+    #[serde(rename = "left_out")]
+    pub rejected: BTreeMap<String, u64>,
     /// Kept features that got the default height, by why.
     pub default_heights: BTreeMap<String, u64>,
     /// Features whose outline is exactly that of an earlier one (both are kept).
@@ -23,19 +25,19 @@ pub struct FootprintReport {
 
 impl FootprintReport {
     /// Counts a feature that becomes no building.
-    pub fn leave_out(&mut self, why: &str) {
-        *self.left_out.entry(why.to_owned()).or_default() += 1;
+    pub fn reject(&mut self, why: &str) {
+        *self.rejected.entry(why.to_owned()).or_default() += 1;
     }
 
     /// Takes back a kept feature.
-    pub fn leave_out_kept(&mut self, why: &str) {
+    pub fn reject_accepted(&mut self, why: &str) {
         self.kept -= 1;
-        self.leave_out(why);
+        self.reject(why);
     }
 
     /// Counts a change to a kept feature.
-    pub fn mend(&mut self, what: &str) {
-        *self.mended.entry(what.to_owned()).or_default() += 1;
+    pub fn repair(&mut self, what: &str) {
+        *self.repaired.entry(what.to_owned()).or_default() += 1;
     }
 
     /// Counts a default height.

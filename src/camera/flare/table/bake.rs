@@ -27,11 +27,11 @@ const SMOOTH_STEPS: usize = 2;
 const FAR_OFF: f64 = 1e3;
 
 impl FlareTable {
-    /// Traces all ghosts that depart from linear at any angle up to `most_angle` radians.
-    pub fn bake(lens: &Lens, f_number: f64, most_angle: f64) -> Result<Self, GpuError> {
+    /// Traces all ghosts that depart from linear at any angle up to `max_angle` radians.
+    pub fn bake(lens: &Lens, f_number: f64, max_angle: f64) -> Result<Self, GpuError> {
         let ghosts = single_crossing_ghosts(lens)
             .into_par_iter()
-            .map(|ghost| tabled(lens, ghost, f_number, most_angle))
+            .map(|ghost| tabled(lens, ghost, f_number, max_angle))
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
             f_number,
@@ -41,25 +41,20 @@ impl FlareTable {
 }
 
 /// A ghost's steps; none for one that is linear enough at all angles, or never lets light through.
-fn tabled(
-    lens: &Lens,
-    ghost: Ghost,
-    f_number: f64,
-    most_angle: f64,
-) -> Result<Option<TabledGhost>, GpuError> {
+fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Option<TabledGhost>, GpuError> {
     let optics: Vec<Optics<'_>> = (0..ANGLES)
-        .map(|k| Optics::new(lens, ghost, most_angle * k as f64 / (ANGLES - 1) as f64, f_number))
+        .map(|k| Optics::new(lens, ghost, max_angle * k as f64 / (ANGLES - 1) as f64, f_number))
         .collect();
     let windows = optics.iter().map(Optics::window).collect::<Result<Vec<_>, _>>()?;
-    let departures: Vec<f64> = optics
+    let nonlinearity_errors: Vec<f64> = optics
         .iter()
         .map(|optics| nonlinearity(lens, ghost, optics.angle, f_number).unwrap_or(FAR_OFF))
         .collect();
-    let mut lit = departures
+    let mut lit = nonlinearity_errors
         .iter()
         .zip(&windows)
         .filter(|(_, window)| window.is_some());
-    if !lit.any(|(departure, _)| *departure > LINEAR_ENOUGH) {
+    if !lit.any(|(nonlinearity_error, _)| *nonlinearity_error > LINEAR_ENOUGH) {
         return Ok(None);
     }
     let is_lit = |k: usize| windows.get(k).is_some_and(Option::is_some);
@@ -72,7 +67,7 @@ fn tabled(
             let window = is_beside.then(|| widened(&windows, k)).flatten();
             Ok(Step {
                 angle: optics.angle,
-                departure: departures[k].min(FAR_OFF) as f32,
+                nonlinearity_error: nonlinearity_errors[k].min(FAR_OFF) as f32,
                 light: window.map(|window| optics.light(window)).transpose()?,
             })
         })
@@ -223,7 +218,7 @@ impl<'a> Optics<'a> {
         Ok(Light::packed([&blue, &red], curve))
     }
 
-    /// Power of the passing ray nearest to the middle of those, by wavelength.
+    /// Power of the passing ray nearest to the centre of those, by wavelength.
     fn curve(&self, grid: &RayGrid) -> [f64; CURVE_UM.len()] {
         let passing: Vec<DVec2> = grid
             .rays
@@ -232,11 +227,11 @@ impl<'a> Optics<'a> {
             .filter(|(_, ray)| ray.is_some_and(|ray| ray.relative_height <= 1.0))
             .map(|(k, _)| grid.entry(k))
             .collect();
-        let middle = passing.iter().sum::<DVec2>() / passing.len().max(1) as f64;
+        let centre = passing.iter().sum::<DVec2>() / passing.len().max(1) as f64;
         let Some(entry) = passing
             .iter()
             .copied()
-            .min_by(|a, b| a.distance(middle).total_cmp(&b.distance(middle)))
+            .min_by(|a, b| a.distance(centre).total_cmp(&b.distance(centre)))
         else {
             return [1.0; CURVE_UM.len()];
         };

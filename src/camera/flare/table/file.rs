@@ -72,7 +72,7 @@ struct Body {
 const FORMAT: &str = "rilievo flare table";
 const VERSION: u32 = 1;
 /// Most bytes of an unpacked file.
-const MOST_BYTES: u64 = 128 << 20;
+const MAX_BYTES: u64 = 128 << 20;
 
 /// Writes a table; returns the file's bytes. The old file stays until the new one is whole.
 pub fn write_table(path: &Path, lens: &Lens, table: TableFile) -> Result<u64, TableError> {
@@ -111,7 +111,7 @@ pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<TableFile, 
         path: path.to_owned(),
         why,
     };
-    let reader = ZlibDecoder::new(BufReader::new(file)).take(MOST_BYTES);
+    let reader = ZlibDecoder::new(BufReader::new(file)).take(MAX_BYTES);
     let body: Body = ciborium::from_reader(reader).map_err(|error| match error {
         ciborium::de::Error::Io(error) => damaged(error.to_string()),
         other => damaged(other.to_string()),
@@ -158,9 +158,9 @@ impl TableFile {
     /// its largest angle a table plays nothing, and all is made.
     pub fn at(&self, angle: f64) -> (Option<&FlareTable>, Option<&ImageTable>, Pattern) {
         match self {
-            Self::Rays(table) if angle <= table.most_angle() => (Some(table), None, Pattern::Whole),
+            Self::Rays(table) if angle <= table.max_angle() => (Some(table), None, Pattern::Whole),
             Self::Images(table) if !table.with_linear => (None, Some(table), Pattern::Linear),
-            Self::Images(table) if angle <= table.most_angle() => (None, Some(table), Pattern::Linear),
+            Self::Images(table) if angle <= table.max_angle() => (None, Some(table), Pattern::Linear),
             _ => (None, None, Pattern::Whole),
         }
     }

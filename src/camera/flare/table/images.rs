@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 /// Most pixels along an image's side.
-pub const MOST_SIDE: u32 = 1024;
+pub const MAX_SIDE: u32 = 1024;
 
 /// An image of the light's flare.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ pub struct ImageTable {
 
 /// An image to lay down.
 #[derive(Clone, Copy, Debug)]
-pub struct PlayedImage<'a> {
+pub struct EvaluatedImage<'a> {
     /// It.
     pub image: &'a LightImage,
     /// Share of its light.
@@ -106,7 +106,7 @@ impl LightImage {
         let numbers = [self.low_mm, self.high_mm, [self.angle, self.turn]];
         pixels > 0
             && 3 * pixels == self.roots.len() as u64
-            && self.size.iter().all(|&side| side <= MOST_SIDE)
+            && self.size.iter().all(|&side| side <= MAX_SIDE)
             && self.brightest.is_finite()
             && self.brightest >= 0.0
             && (0.0..TAU).contains(&self.turn)
@@ -140,7 +140,7 @@ impl ImageTable {
     }
 
     /// Largest angle of an image, radians.
-    pub fn most_angle(&self) -> f64 {
+    pub fn max_angle(&self) -> f64 {
         self.images.iter().map(|image| image.angle).fold(0.0, f64::max)
     }
 
@@ -159,7 +159,7 @@ impl ImageTable {
 
     /// The images that make the flare of a light, at most four: the nearest angles on both sides, at the nearest turns on both
     /// sides where there are several, each turned the rest of the way. None beyond the largest angle.
-    pub fn play(&self, angle: f64, turn: f64) -> Vec<PlayedImage<'_>> {
+    pub fn evaluate(&self, angle: f64, turn: f64) -> Vec<EvaluatedImage<'_>> {
         let columns: Vec<&[LightImage]> = self.images.chunk_by(|a, b| a.turn == b.turn).collect();
         let turn = turn.rem_euclid(TAU);
         // Turns on both sides, round the circle.
@@ -176,7 +176,7 @@ impl ImageTable {
         } else {
             way(low, turn) / span
         };
-        let mut played = Vec::new();
+        let mut evaluated = Vec::new();
         for (column, share) in [(before, 1.0 - share), (next, share)] {
             let images = columns[column];
             let Some(above) = images.iter().position(|image| image.angle >= angle) else {
@@ -191,7 +191,7 @@ impl ImageTable {
             };
             for (image, part) in [(&images[below], 1.0 - along), (&images[above], along)] {
                 if share * part > 0.0 {
-                    played.push(PlayedImage {
+                    evaluated.push(EvaluatedImage {
                         image,
                         share: share * part,
                         turn: turn - image.turn,
@@ -199,6 +199,6 @@ impl ImageTable {
                 }
             }
         }
-        played
+        evaluated
     }
 }

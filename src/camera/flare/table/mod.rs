@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! lens ─▶ bake (grids of rays by angle) ─▶ FlareTable ─┐
-//! photos, or whole flares by two angles ─▶ ImageTable ─┴▶ file ─▶ play-back
+//! photos, or whole flares by two angles ─▶ ImageTable ─┴▶ file ─▶ evaluation
 //! ```
 
 mod bake;

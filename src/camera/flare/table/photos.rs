@@ -11,10 +11,10 @@ use serde::Deserialize;
 use super::{ImageTable, LightImage, TableError};
 
 /// Photos are reduced until neither side is longer, pixels.
-const MOST_PIXELS: u32 = 480;
+const MAX_PIXELS: u32 = 480;
 /// Most pixels of a photo's side, and most bytes it may take while it is read.
-const MOST_PHOTO_SIDE: u32 = 20_000;
-const MOST_PHOTO_BYTES: u64 = 1 << 30;
+const MAX_PHOTO_SIDE: u32 = 20_000;
+const MAX_PHOTO_BYTES: u64 = 1 << 30;
 
 #[derive(Deserialize)]
 struct Row {
@@ -106,15 +106,15 @@ fn linear(path: &Path) -> Result<(Vec<[f32; 3]>, [u32; 2]), TableError> {
         .and_then(|reader| reader.with_guessed_format())
         .map_err(|error| unfit(error.to_string()))?;
     let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MOST_PHOTO_SIDE);
-    limits.max_image_height = Some(MOST_PHOTO_SIDE);
-    limits.max_alloc = Some(MOST_PHOTO_BYTES / 4);
+    limits.max_image_width = Some(MAX_PHOTO_SIDE);
+    limits.max_image_height = Some(MAX_PHOTO_SIDE);
+    limits.max_alloc = Some(MAX_PHOTO_BYTES / 4);
     reader.limits(limits);
     let photo = reader
         .decode()
         .map_err(|error| unfit(format!("{error}; give PNG or JPEG")))?;
     let bytes = u64::from(photo.width()) * u64::from(photo.height()) * 12;
-    if bytes > MOST_PHOTO_BYTES {
+    if bytes > MAX_PHOTO_BYTES {
         return Err(unfit(format!(
             "{} x {} pixels are too many; reduce it to 9000 x 9000 at most",
             photo.width(),
@@ -133,9 +133,8 @@ fn linear(path: &Path) -> Result<(Vec<[f32; 3]>, [u32; 2]), TableError> {
     let (width, height) = encoded.dimensions();
     let mut light = DynamicImage::from(encoded);
     let longer = width.max(height);
-    if longer > MOST_PIXELS {
-        let reduced =
-            |side: u32| (u64::from(side) * u64::from(MOST_PIXELS) / u64::from(longer)).max(1) as u32;
+    if longer > MAX_PIXELS {
+        let reduced = |side: u32| (u64::from(side) * u64::from(MAX_PIXELS) / u64::from(longer)).max(1) as u32;
         light = light.resize_exact(
             reduced(width),
             reduced(height),

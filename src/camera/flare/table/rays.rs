@@ -1,6 +1,6 @@
-//! The table of grids of rays, and its play-back.
+//! The table of grids of rays, and its evaluation.
 //!
-//! Between angles, colours and rays the table is interpolated; the turn round the axis is made at play-back, as the lens is
+//! Between angles, colours and rays the table is interpolated; the turn round the axis is made at evaluation, as the lens is
 //! symmetrical.
 
 use glam::DVec2;
@@ -29,7 +29,7 @@ pub struct TabledGhost {
 
 /// A ghost at an angle.
 #[derive(Clone, Debug)]
-pub struct PlayedGhost {
+pub struct EvaluatedGhost {
     open: Open,
 }
 
@@ -52,7 +52,7 @@ impl FlareTable {
     }
 
     /// Largest angle, radians.
-    pub fn most_angle(&self) -> f64 {
+    pub fn max_angle(&self) -> f64 {
         let last = self.ghosts.iter().filter_map(|ghost| ghost.steps.last());
         last.map(|step| step.angle).fold(0.0, f64::max)
     }
@@ -82,7 +82,7 @@ impl FlareTable {
                     && ghost
                         .steps
                         .iter()
-                        .all(|step| step.angle.is_finite() && step.departure.is_finite())
+                        .all(|step| step.angle.is_finite() && step.nonlinearity_error.is_finite())
                     && lights.into_iter().all(|light| light.is_sound())
             })
     }
@@ -90,7 +90,7 @@ impl FlareTable {
 
 impl TabledGhost {
     /// Departure from linear at an angle, radians.
-    pub fn departure(&self, angle: f64) -> f64 {
+    pub fn nonlinearity_error(&self, angle: f64) -> f64 {
         let next = self.steps.iter().position(|step| step.angle >= angle);
         let Some(next) = next else {
             return f64::INFINITY;
@@ -98,13 +98,16 @@ impl TabledGhost {
         let high = &self.steps[next];
         let low = &self.steps[next.saturating_sub(1)];
         let share = (angle - low.angle) / (high.angle - low.angle).max(1e-12);
-        let (from, to) = (f64::from(low.departure), f64::from(high.departure));
+        let (from, to) = (
+            f64::from(low.nonlinearity_error),
+            f64::from(high.nonlinearity_error),
+        );
         from + (to - from) * share.clamp(0.0, 1.0)
     }
 
     /// The ghost at an angle; none beyond the table and where no light gets through.
-    pub fn at(&self, angle: f64) -> Option<PlayedGhost> {
-        between(&self.steps, angle).map(|open| PlayedGhost { open })
+    pub fn at(&self, angle: f64) -> Option<EvaluatedGhost> {
+        between(&self.steps, angle).map(|open| EvaluatedGhost { open })
     }
 }
 
@@ -180,7 +183,7 @@ fn hermite(points: [Option<(f64, f64)>; 4], at: f64) -> Option<f64> {
     )
 }
 
-impl PlayedGhost {
+impl EvaluatedGhost {
     /// Its rays in one colour, on a grid of `side` rays a side.
     pub fn grid(&self, wavelength_um: f64, side: usize) -> RayGrid {
         let inverse_square = |um: f64| um.powi(-2);

@@ -29,7 +29,7 @@ pub struct Step {
     /// Radians.
     pub angle: f64,
     /// Departure from linear there (see `nonlinearity`); large where no light gets through.
-    pub departure: f32,
+    pub nonlinearity_error: f32,
     /// The light; none where none gets through.
     pub light: Option<Light>,
 }
@@ -40,15 +40,15 @@ pub struct Light {
     /// Corners of the entrance window, millimetres.
     pub window: [DVec2; 2],
     /// Middle of the sensor places, along the beam's plane, millimetres.
-    middle_mm: f64,
-    /// Value after value, all rays' f16 as `planes`; a lost ray is infinitely high. Sensor places count from the middle.
+    centre_mm: f64,
+    /// Value after value, all rays' f16 as `planes`; a lost ray is infinitely high. Sensor places count from the centre.
     #[serde(with = "serde_bytes")]
     blue: Vec<u8>,
     /// How far the second colour differs, in steps of `red_step`, value after value.
     #[serde(with = "serde_bytes")]
     red: Vec<u8>,
     red_step: [f32; SHIFTED],
-    /// Power of a ray in the ghost's middle at `CURVE_UM`, as shares of its power in the first colour.
+    /// Power of a ray in the ghost's centre at `CURVE_UM`, as shares of its power in the first colour.
     curve: [f32; CURVE_UM.len()],
 }
 
@@ -121,14 +121,14 @@ impl Light {
         };
         let [blue, red] = grids.map(values);
         let alive = blue.iter().flatten().count().max(1) as f64;
-        let middle_mm = blue.iter().flatten().map(|values| values[0]).sum::<f64>() / alive;
+        let centre_mm = blue.iter().flatten().map(|values| values[0]).sum::<f64>() / alive;
         let stored: Vec<[f16; VALUES]> = blue
             .iter()
             .zip(&red)
             .map(|(blue, red)| match (blue, red) {
                 (Some(blue), Some(_)) => {
                     let [x, y, stop_x, stop_y, height, root] = *blue;
-                    let places = [x - middle_mm, y].map(f16::from_f64);
+                    let places = [x - centre_mm, y].map(f16::from_f64);
                     let [stop_x, stop_y, height, root] = [stop_x, stop_y, height, root].map(rounded);
                     [places[0], places[1], stop_x, stop_y, height, root]
                 }
@@ -141,7 +141,7 @@ impl Light {
             .zip(&red)
             .map(|(blue, red)| match red {
                 Some(red) if blue[0].is_finite() => std::array::from_fn(|k| {
-                    let stored = blue[k].to_f64() + if k == 0 { middle_mm } else { 0.0 };
+                    let stored = blue[k].to_f64() + if k == 0 { centre_mm } else { 0.0 };
                     red[k] - stored
                 }),
                 _ => [0.0; VALUES],
@@ -153,7 +153,7 @@ impl Light {
         });
         Self {
             window: [grids[0].low, grids[0].high],
-            middle_mm,
+            centre_mm,
             blue: (0..VALUES)
                 .flat_map(|k| planes(&stored.iter().map(|ray| ray[k].to_bits()).collect::<Vec<_>>()))
                 .collect(),
@@ -178,7 +178,7 @@ impl Light {
             && self.red.len() == SHIFTED * STORED
             && self.curve.iter().all(|share| share.is_finite())
             && numbers.iter().all(|number| number.is_finite())
-            && self.middle_mm.is_finite()
+            && self.centre_mm.is_finite()
             && self.red_step.iter().all(|step| step.is_finite())
     }
 
@@ -192,7 +192,7 @@ impl Light {
         let bits: Vec<Vec<u16>> = self.blue.chunks_exact(2 * STORED).map(from_planes).collect();
         let blue = |ray: usize, k: usize| {
             let value = f16::from_bits(bits[k][ray]).to_f64();
-            if k == 0 { value + self.middle_mm } else { value }
+            if k == 0 { value + self.centre_mm } else { value }
         };
         let red = |ray: usize, k: usize| {
             if k >= SHIFTED {

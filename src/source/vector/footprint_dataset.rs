@@ -1,4 +1,4 @@
-//! `buildings.gpkg`, the digital map of record: every footprint with its attributes, to be edited in QGIS.
+//! `buildings.gpkg`, the footprint dataset of record: every footprint with its attributes, to be edited in QGIS.
 
 use std::path::{Path, PathBuf};
 
@@ -14,10 +14,10 @@ use crate::space::Crs;
 /// Name of the one layer.
 pub const LAYER: &str = "buildings";
 
-/// Reads a city's digital map.
-pub struct DigitalMap;
+/// Reads a city's footprint dataset.
+pub struct FootprintDataset;
 
-impl DigitalMap {
+impl FootprintDataset {
     /// All footprints of `buildings.gpkg`, by the city's height rule.
     pub fn read(
         path: &Path,
@@ -26,22 +26,28 @@ impl DigitalMap {
         default_height_m: f64,
     ) -> Result<Vec<Footprint>, SourceError> {
         let mut footprints = Vec::new();
-        FootprintSource::open_digital_map(path)?.read(city, rule, default_height_m, None, |footprint| {
-            footprints.push(footprint);
-        })?;
+        FootprintSource::open_footprint_dataset(path)?.read(
+            city,
+            rule,
+            default_height_m,
+            None,
+            |footprint| {
+                footprints.push(footprint);
+            },
+        )?;
         Ok(footprints)
     }
 }
 
 /// Writes a new GeoPackage with the layer `buildings`.
-pub struct MapWriter {
+pub struct FootprintDatasetWriter {
     path: PathBuf,
     dataset: Dataset,
     /// Source field index to target field index, -1 where it has no place.
     field_map: Vec<i32>,
 }
 
-impl MapWriter {
+impl FootprintDatasetWriter {
     /// Creates the file, replacing an older one.
     pub fn create(path: &Path, crs: &Crs) -> Result<Self, SourceError> {
         let write_error = |why: String| SourceError::Write {

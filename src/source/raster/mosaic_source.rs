@@ -8,20 +8,20 @@ use glam::DVec2;
 use crate::source::{CrsChoice, SourceError, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
-/// A file with its place in the sheet, pixels from the sheet's north-west corner.
+/// A file with its place in the mosaic source, pixels from the mosaic source's north-west corner.
 #[derive(Clone, Debug)]
-pub struct SheetFile {
+pub struct MosaicFile {
     pub path: PathBuf,
     pub first: [usize; 2],
     pub size: [usize; 2],
     /// The CRS is not in metres, and neither file nor user names the unit of heights.
-    pub unit_unsaid: bool,
+    pub unit_unspecified: bool,
 }
 
 /// Files of one CRS whose pixels lie on one lattice, read as one mosaic; later files lie on top.
 #[derive(Clone, Debug)]
-pub struct Sheet {
-    pub files: Vec<SheetFile>,
+pub struct MosaicSource {
+    pub files: Vec<MosaicFile>,
     pub crs: Crs,
     pub pixel_from_ground: [f64; 6],
     pub ground_from_pixel: [f64; 6],
@@ -31,7 +31,7 @@ pub struct Sheet {
     pub bounds: Bounds,
 }
 
-impl Sheet {
+impl MosaicSource {
     pub fn open(path: &Path, choice: &CrsChoice, metres_per_unit: Option<f64>) -> Result<Self, SourceError> {
         let dataset = open_raster(path)?;
         let unfit = |what: &str, advice: &str| SourceError::Unfit {
@@ -52,7 +52,7 @@ impl Sheet {
         })?;
         if dataset.raster_count() >= 3 && band.band_type() == gdal::raster::GdalDataType::UInt8 {
             return Err(unfit(
-                "looks like a photo (three or more 8-bit bands), not like terrain",
+                "looks like an orthophoto (three or more 8-bit bands), not like terrain",
                 "give it with --photo",
             ));
         }
@@ -74,12 +74,12 @@ impl Sheet {
             source,
         })?;
         let in_metres = !reference.is_projected() || (reference.linear_units() - 1.0).abs() < 1e-9;
-        let mut sheet = Self {
-            files: vec![SheetFile {
+        let mut mosaic = Self {
+            files: vec![MosaicFile {
                 path: path.to_owned(),
                 first: [0, 0],
                 size: [width, height],
-                unit_unsaid: unit.is_none() && !in_metres,
+                unit_unspecified: unit.is_none() && !in_metres,
             }],
             crs,
             pixel_from_ground,
@@ -89,8 +89,8 @@ impl Sheet {
             pixel_m: 0.0,
             bounds: Bounds::EMPTY,
         };
-        sheet.measure()?;
-        Ok(sheet)
+        mosaic.measure()?;
+        Ok(mosaic)
     }
 
     pub fn crs_error(&self, source: crate::space::CrsError) -> SourceError {
@@ -100,7 +100,7 @@ impl Sheet {
         }
     }
 
-    /// The rectangle of the pixels, and the side of a pixel in metres at the middle.
+    /// The rectangle of the pixels, and the side of a pixel in metres at the centre.
     fn measure(&mut self) -> Result<(), SourceError> {
         let [width, height] = self.size.map(|count| count as f64);
         self.bounds = Bounds::EMPTY;
@@ -142,7 +142,7 @@ impl Sheet {
         let [ax, adx, _, ay, _, ady] = self.ground_from_pixel;
         let (bx, by) = (other.ground_from_pixel[0], other.ground_from_pixel[3]);
         let shift = [((bx - ax) / adx).round() as i64, ((by - ay) / ady).round() as i64];
-        // The sheet grows to hold both; every file keeps its place in it.
+        // The mosaic source grows to hold both; every file keeps its place in it.
         let grow = shift.map(|pixels| (-pixels).max(0));
         for file in &mut self.files {
             file.first = [0, 1].map(|axis| file.first[axis] + grow[axis] as usize);

@@ -1,19 +1,19 @@
-//! Distances that whole blocks of pixels can skip before the exact walk begins (`shaders/relief/beam.wgsl` tells how).
+//! Distances that whole blocks of pixels can skip before the exact walk begins (`shaders/relief/cone.wgsl` tells how).
 
 use super::MapBindings;
-use super::shaders::BEAM;
+use super::shaders::CONE;
 use super::targets::ReliefTargets;
 use crate::gpu::{Gpu, color_target, fullscreen_pipeline, shader_module};
 
 /// The pipeline.
-pub struct BeamPass {
+pub struct ConePass {
     pipeline: wgpu::RenderPipeline,
 }
 
-impl BeamPass {
+impl ConePass {
     /// For a building map's bindings.
     pub fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout, map: &MapBindings) -> Self {
-        let module = shader_module(gpu, &BEAM);
+        let module = shader_module(gpu, &CONE);
         let pipeline = fullscreen_pipeline(
             gpu,
             &module,
@@ -34,8 +34,8 @@ impl BeamPass {
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("beam"),
-            color_attachments: &[targets.beam_distance.cleared(wgpu::Color::TRANSPARENT)],
+            label: Some("cone"),
+            color_attachments: &[targets.cone_distance.cleared(wgpu::Color::TRANSPARENT)],
             timestamp_writes: timestamps,
             ..Default::default()
         });

@@ -1,8 +1,8 @@
-//! Mip levels of a photo tile.
+//! Mip levels of a orthophoto tile.
 
-/// The photo and its halvings down to one pixel, RGBA; each pixel the mean of the covered ones below
-/// (in sRGB values: the difference from linear averaging is below what a photo's own gamma leaves uncertain).
-pub fn photo_mips(rgba: Vec<u8>, side: usize) -> Vec<Vec<u8>> {
+/// The orthophoto and its halvings down to one pixel, RGBA; each pixel the mean of the covered ones below
+/// (in sRGB values: the difference from linear averaging is below what a orthophoto's own gamma leaves uncertain).
+pub fn imagery_mips(rgba: Vec<u8>, side: usize) -> Vec<Vec<u8>> {
     let mut levels = vec![rgba];
     let mut side = side;
     while side > 1 {

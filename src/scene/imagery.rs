@@ -1,33 +1,33 @@
-//! Photo tiles on the GPU.
+//! Imagery tiles on the GPU.
 
 use rayon::prelude::*;
 
 use super::SceneError;
 use super::batch::{BATCH, flush};
-use super::photo_mips::photo_mips;
+use super::imagery_mips::imagery_mips;
 use crate::city::{City, CityError};
 use crate::gpu::{Gpu, TextureArray};
 use crate::space::TileId;
 
-/// Most bytes of photos kept; larger cities drop the finest mip levels.
-const PHOTO_BYTES: u64 = 1 << 30;
+/// Most bytes of orthophotos kept; larger cities drop the finest mip levels.
+const IMAGERY_BYTES: u64 = 1 << 30;
 
-/// Loads the photos of every tile that has one, and enters their layer in the table; also their side as resident, and bytes.
-pub fn load_photos(
+/// Loads the orthophotos of every tile that has one, and enters their layer in the table; also their side as resident, and bytes.
+pub fn load_imagery(
     gpu: &Gpu,
     city: &City,
     tiles: &[TileId],
     table: &mut [[i32; 2]],
 ) -> Result<(TextureArray, u32, u64), SceneError> {
-    let full_side = city.manifest().photo_side as u32;
+    let full_side = city.manifest().imagery_side as u32;
     let present: Vec<TileId> = tiles
         .iter()
         .copied()
-        .filter(|&tile| city.has_photo(tile))
+        .filter(|&tile| city.has_imagery(tile))
         .collect();
     let bytes_at = |side: u32| u64::from(side) * u64::from(side) * 16 / 3 * present.len() as u64;
     let mut dropped = 0;
-    while bytes_at(full_side >> dropped) > PHOTO_BYTES {
+    while bytes_at(full_side >> dropped) > IMAGERY_BYTES {
         dropped += 1;
     }
     let side = (full_side >> dropped).max(1);
@@ -45,8 +45,8 @@ pub fn load_photos(
         let loaded: Vec<_> = batch
             .par_iter()
             .map(|&tile| {
-                let photo = city.photo(tile)?;
-                Ok(photo.map(|photo| (tile, photo_mips(photo.rgba, photo.side))))
+                let imagery = city.imagery(tile)?;
+                Ok(imagery.map(|imagery| (tile, imagery_mips(imagery.rgba, imagery.side))))
             })
             .collect::<Result<_, CityError>>()?;
         for (tile, mips) in loaded.into_iter().flatten() {

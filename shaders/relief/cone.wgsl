@@ -1,16 +1,16 @@
 // How far the rays of a block of pixels can go at least before any of them meets a building: the exact walk begins there.
 //
-// Rays of neighbouring pixels cross the same empty air. Here one beam round all rays of a block walks the pyramid with
-// coarse steps, and stops where its narrowest fitting blocks hold a roof within reach (beam optimisation: Laine & Karras
+// Rays of neighbouring pixels cross the same empty air. Here one cone round all rays of a block walks the pyramid with
+// coarse steps, and stops where its narrowest fitting blocks hold a roof within reach (cone optimisation: Laine & Karras
 // 2011, "Efficient Sparse Voxel Octrees", section 4.5). The bound is conservative, so the picture is the same without.
 
-// Side of a block, pixels. Twin: BEAM_PIXELS in src/relief/targets.rs.
-const BEAM_PIXELS: f32 = 8.0;
-// Along the way a block of the pyramid is at least this many times as wide as the beam's radius.
+// Side of a block, pixels. Twin: CONE_PIXELS in src/relief/targets.rs.
+const CONE_PIXELS: f32 = 8.0;
+// Along the way a block of the pyramid is at least this many times as wide as the cone's radius.
 const WIDTH_IN_RADII: f32 = 4.0;
-const MOST_BEAM_STEPS: u32 = 1024u;
+const MAX_CONE_STEPS: u32 = 1024u;
 // Rounding of places, metres.
-const BEAM_SLACK: f32 = 0.01;
+const CONE_SLACK: f32 = 0.01;
 // Highest roof over a place without a building map.
 const NOTHING: f32 = -1.0e9;
 
@@ -34,14 +34,14 @@ fn highest_of(block: vec2<i32>, level: u32) -> f32 {
     return select(record.low + (f32(highest) - 1.0) * step_of(record), NOTHING, highest == 0u);
 }
 
-// Earliest t at which the beam, t * (d +- spread), can reach the interval low..high.
+// Earliest t at which the cone, t * (d +- spread), can reach the interval low..high.
 fn first_reach(low: f32, high: f32, d: f32, spread: f32) -> f32 {
     if low > 0.0 { return select(FAR, low / (d + spread), d + spread > 0.0); }
     if high < 0.0 { return select(FAR, high / (d - spread), d - spread < 0.0); }
     return 0.0;
 }
 
-// t from which the whole beam has passed the upper (d > 0) or lower (d < 0) end of the interval.
+// t from which the whole cone has passed the upper (d > 0) or lower (d < 0) end of the interval.
 fn last_reach(low: f32, high: f32, d: f32, spread: f32) -> f32 {
     if d - spread > 0.0 { return high / (d - spread); }
     if d + spread < 0.0 { return low / (d + spread); }
@@ -51,10 +51,10 @@ fn last_reach(low: f32, high: f32, d: f32, spread: f32) -> f32 {
 @fragment
 fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
     // Pixel centres of the block lie within half a pixel of its border.
-    let first = floor(position.xy) * BEAM_PIXELS + 0.5;
-    let last = first + BEAM_PIXELS - 1.0;
+    let first = floor(position.xy) * CONE_PIXELS + 0.5;
+    let last = first + CONE_PIXELS - 1.0;
     let d = ray_direction(0.5 * (first + last));
-    // The directions of the block lie within this distance of the middle one, because its corners do.
+    // The directions of the block lie within this distance of the centre one, because its corners do.
     var spread = 0.0;
     for (var corner = 0u; corner < 4u; corner += 1u) {
         let pixel = select(first, last, vec2<bool>((corner & 1u) == 1u, (corner & 2u) == 2u));
@@ -77,14 +77,14 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
     );
     let fastest = max(abs(d.x), abs(d.y)) + 2.0 * spread;
     var level = frame.top_level;
-    for (var i = 0u; i < MOST_BEAM_STEPS && t < end; i += 1u) {
+    for (var i = 0u; i < MAX_CONE_STEPS && t < end; i += 1u) {
         let size = frame.texel_m * f32(1u << level);
-        // So far that what the beam sweeps in plan is no wider than a block.
-        let reach = size - 2.0 * (spread * t + BEAM_SLACK);
-        // So far away that the beam is wider than a tile.
+        // So far that what the cone sweeps in plan is no wider than a block.
+        let reach = size - 2.0 * (spread * t + CONE_SLACK);
+        // So far away that the cone is wider than a tile.
         if reach <= 0.0 { break; }
         let t_next = t + reach / fastest;
-        let radius = spread * t_next + BEAM_SLACK;
+        let radius = spread * t_next + CONE_SLACK;
         // In tiles first: a place in a large city has too many digits.
         let base = vec2<f32>(frame.eye_in_tile);
         let from_block = vec2<i32>(floor((base + min(t * d.xy, t_next * d.xy) - radius) / size));
@@ -98,7 +98,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
         if lowest > highest - frame.eye_elevation {
             t = t_next;
             level = min(level + 1u, frame.top_level);
-        } else if level > 1u && 0.5 * size >= WIDTH_IN_RADII * (spread * t + BEAM_SLACK) {
+        } else if level > 1u && 0.5 * size >= WIDTH_IN_RADII * (spread * t + CONE_SLACK) {
             level -= 1u;
         } else {
             break;

@@ -6,9 +6,9 @@ use super::sources::Sources;
 use crate::city::CityError;
 use crate::space::{Bounds, Crs, Place};
 
-/// About the sources and where they lie; `city` is the rectangle of the city's tiles, `place` its middle.
-pub fn remarks(sources: &Sources, city: &Bounds, place: &Place) -> Result<Vec<String>, CityError> {
-    let mut remarks = Vec::new();
+/// About the sources and where they lie; `city` is the rectangle of the city's tiles, `place` its centre.
+pub fn source_warnings(sources: &Sources, city: &Bounds, place: &Place) -> Result<Vec<String>, CityError> {
+    let mut warnings = Vec::new();
     let about = |files: &[&Path], what: &str| {
         let first = files.first()?.display();
         Some(match files.len() {
@@ -17,25 +17,25 @@ pub fn remarks(sources: &Sources, city: &Bounds, place: &Place) -> Result<Vec<St
         })
     };
     let apart = sources.dtm.files_outside(&sources.crs, city)?;
-    remarks.extend(about(
+    warnings.extend(about(
         &apart,
         "lies outside the city and is not used: check its place, or leave it out",
     ));
-    let unsaid: Vec<&Path> = sources.dtm.files_of_unsaid_unit().collect();
-    remarks.extend(about(
-        &unsaid,
+    let unspecified: Vec<&Path> = sources.dtm.files_of_unspecified_unit().collect();
+    warnings.extend(about(
+        &unspecified,
         "is in a CRS that is not in metres and does not name the unit of its heights: read as metres; \
          if they are feet, give --terrain-unit 0.3048 (US survey feet: 0.3048006)",
     ));
-    if let Some(photos) = &sources.photos {
-        let apart: Vec<&Path> = photos.files_outside(city).collect();
-        remarks.extend(about(
+    if let Some(imagery) = &sources.imagery {
+        let apart: Vec<&Path> = imagery.files_outside(city).collect();
+        warnings.extend(about(
             &apart,
             "lies outside the city and is not used: check its place and --photo-crs, or leave it out",
         ));
     }
     if !sources.crs.is_meant_for(place) {
-        remarks.push(format!(
+        warnings.push(format!(
             "the city lies at {:.3} degrees east, {:.3} north, outside the area that {} is made for: lengths and north may \
              be far off; give another --crs",
             place.longitude_deg,
@@ -43,5 +43,5 @@ pub fn remarks(sources: &Sources, city: &Bounds, place: &Place) -> Result<Vec<St
             Crs::short_label(sources.crs.label())
         ));
     }
-    Ok(remarks)
+    Ok(warnings)
 }

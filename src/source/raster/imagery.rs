@@ -1,4 +1,4 @@
-//! Aerial photos: any number of tiles in any CRS, warped by GDAL to a rectangle of the city.
+//! Aerial orthophotos: any number of tiles in any CRS, warped by GDAL to a rectangle of the city.
 
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
@@ -9,9 +9,9 @@ use gdal::{Dataset, DriverManager};
 use crate::source::{CrsChoice, SourceError, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
-/// Photo files, in the order given; later ones lie on top.
+/// Imagery files, in the order given; later ones lie on top.
 #[derive(Clone, Debug)]
-pub struct Photos {
+pub struct Imagery {
     files: Vec<PhotoFile>,
 }
 
@@ -23,13 +23,13 @@ struct PhotoFile {
     bands: usize,
     /// One band of indices into a colour table.
     is_paletted: bool,
-    /// Value range that becomes 0..255, for photos deeper than 8 bits.
+    /// Value range that becomes 0..255, for orthophotos deeper than 8 bits.
     stretch: Option<[f64; 2]>,
     assumed_srs: Option<String>,
 }
 
-impl Photos {
-    /// Opens the headers; `city` is the CRS the photos will be drawn in.
+impl Imagery {
+    /// Opens the headers; `city` is the CRS the orthophotos will be drawn in.
     pub fn open(files: &[PathBuf], choice: &CrsChoice, city: &Crs) -> Result<Self, SourceError> {
         let files = files
             .iter()
@@ -38,7 +38,7 @@ impl Photos {
         Ok(Self { files })
     }
 
-    /// Side of the finest photo's pixel, metres.
+    /// Side of the finest orthophoto's pixel, metres.
     pub fn finest_pixel_m(&self) -> f64 {
         self.files
             .iter()
@@ -46,7 +46,7 @@ impl Photos {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// True when a photo may cover part of the rectangle.
+    /// True when a orthophoto may cover part of the rectangle.
     pub fn meet(&self, bounds: &Bounds) -> bool {
         self.files.iter().any(|file| file.bounds.meets(bounds))
     }
@@ -57,8 +57,8 @@ impl Photos {
         files.map(|file| file.path.as_path())
     }
 
-    /// Warps all photos that meet the rectangle into `side` x `side` RGBA pixels, rows from the north.
-    /// Alpha is 0 where no photo is.
+    /// Warps all orthophotos that meet the rectangle into `side` x `side` RGBA pixels, rows from the north.
+    /// Alpha is 0 where no orthophoto is.
     pub fn warp(&self, city: &Crs, bounds: &Bounds, side: usize) -> Result<Vec<u8>, SourceError> {
         let mut rgba = vec![0_u8; 4 * side * side];
         for file in self.files.iter().filter(|file| file.bounds.meets(bounds)) {
@@ -193,7 +193,7 @@ impl PhotoFile {
     }
 }
 
-/// The 1st to 99th percentile of deeper-than-8-bit photos, of a sample of their pixels.
+/// The 1st to 99th percentile of deeper-than-8-bit orthophotos, of a sample of their pixels.
 fn stretch(dataset: &Dataset) -> Result<Option<[f64; 2]>, gdal::errors::GdalError> {
     let band = dataset.rasterband(1)?;
     if band.band_type() == GdalDataType::UInt8 {

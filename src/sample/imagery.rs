@@ -1,4 +1,4 @@
-//! The aerial photo: country, river, streets, yards, roofs and trees, painted in that order from above.
+//! The aerial orthophoto: country, river, streets, yards, roofs and trees, painted in that order from above.
 //! No shadows of buildings: those are the renderer's.
 
 use glam::{DVec2, DVec3};
@@ -10,7 +10,7 @@ use super::noise::{fractal_noise, lattice, value_noise};
 use super::shapes::{Ring, centre, longest_direction, set_back};
 use super::town::{Town, woods};
 
-/// A rectangle of photo, local metres; rows from the north.
+/// A rectangle of orthophoto, local metres; rows from the north.
 pub struct Canvas {
     west: f64,
     north: f64,
@@ -273,8 +273,8 @@ impl Canvas {
     }
 
     fn roof(&mut self, building: &SampleBuilding) {
-        let middle = centre(&building.ring);
-        let chance = |seed: u64| lattice((middle.x * 10.0) as i64, (middle.y * 10.0) as i64, seed);
+        let centre = centre(&building.ring);
+        let chance = |seed: u64| lattice((centre.x * 10.0) as i64, (centre.y * 10.0) as i64, seed);
         let mut rings = vec![building.ring.clone()];
         rings.extend(building.holes.iter().cloned());
         let tint = chance(51);
@@ -290,7 +290,7 @@ impl Canvas {
             // A parapet, and a little plant on flat roofs.
             let along = longest_direction(&building.ring);
             self.fill(&rings, |p| {
-                let q = p - middle;
+                let q = p - centre;
                 let cell = DVec2::new(along.dot(q), along.perp().dot(q)) / 4.6;
                 let plant = lattice(cell.x.floor() as i64, cell.y.floor() as i64, (tint * 1e6) as u64);
                 let box_here = plant > 0.9 && (cell - cell.floor() - 0.5).abs().max_element() < 0.28;
@@ -314,11 +314,11 @@ impl Canvas {
         let reach = building
             .ring
             .iter()
-            .map(|p| (*p - middle).dot(across).abs())
+            .map(|p| (*p - centre).dot(across).abs())
             .fold(0.1, f64::max);
         let sun = DVec2::new(-0.71, -0.71);
         self.fill(&rings, |p| {
-            let v = (p - middle).dot(across);
+            let v = (p - centre).dot(across);
             let facing = across.dot(sun) * v.signum();
             let ridge_line = if v.abs() < 0.35 { 14.0 } else { 0.0 };
             let courses = 3.5 * (v * 7.0).sin();
