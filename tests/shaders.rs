@@ -143,7 +143,13 @@ fn records_are_laid_out_alike_on_both_sides() {
     same_layout!(
         "FlareFrame",
         FlareFrame,
-        ["half_mm" = half_mm, "mask_reach" = mask_reach, "scale" = scale]
+        [
+            "half_mm" = half_mm,
+            "mask_extent" = mask_extent,
+            "padding_a" = padding_a,
+            "irradiance" = irradiance,
+            "padding_b" = padding_b,
+        ]
     );
     same_layout!(
         "SpriteFrame",
@@ -151,7 +157,7 @@ fn records_are_laid_out_alike_on_both_sides() {
         [
             "centre_mm" = centre_mm,
             "half_mm" = half_mm,
-            "turn" = turn,
+            "rotation" = rotation,
             "image_half_mm" = image_half_mm,
             "radiance" = radiance,
             "padding" = padding,

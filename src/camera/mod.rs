@@ -9,20 +9,24 @@
 
 mod develop;
 mod diagram;
+mod exposure;
 pub mod flare;
 pub mod lens;
 mod paraxial;
 mod path;
 mod rays;
 mod shaders;
+mod tone_curve;
 mod trace;
 
 pub use develop::Develop;
 pub use diagram::lens_diagram;
+pub use exposure::auto_exposure;
 pub use paraxial::{
     Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
 };
 pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use rays::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
+pub use tone_curve::{srgb, tone_mapped};
 pub use trace::{TracedRay, Tracer, beam_direction};

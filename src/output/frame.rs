@@ -6,16 +6,17 @@
 //! ```
 //! Depth and ids are those of the pixel centre, whatever the number of samples.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 use thiserror::Error;
 
 use super::Renderer;
 use crate::camera::flare::{
-    Aperture, Blend, Fit, FlareMesh, FlareParameters, FlarePass, FlareSource, Pattern, Preset, Star,
-    TableFile, Tracing, encode_images, encode_starburst, flare_mesh, spectrum,
+    Aperture, Blend, Fit, FlareEffect, FlareLight, FlareRequest, GhostParameters, Preset, TableFile,
 };
 use crate::camera::lens::{D_LINE_UM, Lens};
-use crate::camera::{Develop, Paraxial, RayPass};
+use crate::camera::{Develop, Paraxial};
 use crate::gpu::{Gpu, GpuError, PassTimer, read_texture};
 use crate::relief::{Light, ReliefMode, ReliefPass, ReliefTargets, SUN_RADIUS, sun_irradiance};
 use crate::scene::SceneError;
@@ -164,78 +165,33 @@ fn add_flare(
 ) -> Result<(), RenderError> {
     let projection = request.view.projection(request.size);
     let to_sun = request.light.to_sun;
-    let ahead = to_sun.dot(projection.forward);
-    if ahead <= 0.0 || lens.sun_visibility <= 0.0 {
-        return Ok(());
-    }
-    let aside = DVec2::new(to_sun.dot(projection.right), to_sun.dot(projection.up));
-    let preset = lens.preset;
-    let source = FlareSource {
-        angle: aside.length().atan2(ahead),
-        turn: aside.y.atan2(aside.x),
-        irradiance: sun_irradiance(to_sun),
-        f_number: lens.f_number,
-        wavelengths: preset.wavelengths,
-        rays: preset.rays,
-        whole_entrance: false,
-    };
+    let basis = [projection.right, projection.up, projection.forward];
+    let [angle, azimuth] = FlareLight::angle_azimuth(basis.map(|axis| to_sun.dot(axis)).into());
     let focal_mm = Paraxial::new(lens.lens, D_LINE_UM, None).efl_mm.abs();
     let half_height = focal_mm * projection.tan_half_fov_y;
     let [width, height] = request.size.map(f64::from);
-    let half_mm = [half_height * width / height, half_height];
-    let visible = source.irradiance.map(|channel| channel * lens.sun_visibility);
-
-    let nothing = (None, None, Pattern::Whole);
-    let (rays, images, pattern) = lens.table.map_or(nothing, |table| table.at(source.angle));
-    let ray_pass = RayPass::new(gpu);
-    let cache_key = FlareParameters {
-        lens: lens.lens,
-        source,
-        mode: preset.mode,
-        only: None,
-        pattern,
-        table: rays,
-        blend: lens.blend,
-        fit: lens.fit,
-        tracing: Tracing::Gpu(gpu, &ray_pass),
-    };
-    let has_mesh = lens.ghosts && images.is_none_or(|images| images.with_linear);
-    let mesh = if has_mesh {
-        flare_mesh(&cache_key)?
-    } else {
-        FlareMesh::default()
-    };
-    let pass = FlarePass::new(gpu, Develop::FLARE, &lens.aperture);
-    pass.encode(
-        gpu,
-        encoder,
-        &develop.flare,
-        &mesh,
-        half_mm,
-        lens.sun_visibility,
-        None,
-    );
-    if let Some(images) = images.filter(|_| lens.ghosts) {
-        let angles = [source.angle, source.turn];
-        encode_images(gpu, encoder, &develop.flare, images, angles, visible, half_mm);
-    }
-    let star = Star {
-        at_mm: (aside / ahead * focal_mm).to_array(),
-        disc_mm: SUN_RADIUS * focal_mm,
-        focal_mm,
+    let flare = FlareRequest {
+        lens: Arc::new(lens.lens.clone()),
         f_number: lens.f_number,
-        irradiance: visible,
-        mask_side: preset.star_side,
+        aperture: lens.aperture,
+        ghosts: lens.ghosts.then(|| GhostParameters {
+            blend: lens.blend,
+            fit: lens.fit,
+            ..lens.preset.ghosts()
+        }),
+        starburst: Some(lens.preset.starburst()),
+        table: lens.table.cloned().map(Arc::new),
+        light: FlareLight {
+            angle,
+            azimuth,
+            angular_radius: SUN_RADIUS,
+            irradiance: sun_irradiance(to_sun),
+            visible_fraction: lens.sun_visibility,
+        },
+        image_half_mm: [half_height * width / height, half_height],
     };
-    let colours = spectrum(preset.star_wavelengths);
-    encode_starburst(
-        gpu,
-        encoder,
-        &develop.flare,
-        &star,
-        &lens.aperture,
-        &colours,
-        half_mm,
-    );
+    let mut effect = FlareEffect::new(gpu, Develop::FLARE);
+    effect.prepare(gpu, &flare)?;
+    effect.encode(encoder, &develop.flare, None);
     Ok(())
 }

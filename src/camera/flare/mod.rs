@@ -34,38 +34,27 @@
 //! | | size and brightness fitted to the linear ghosts | `blend::fitted` | `nonlinear_ghosts_can_be_fitted_to_linear_ones` |
 //! | | a table over two angles, compressed | `FlareRenderer::bake_images`, `write_table` | `tables_of_images_play_what_was_recorded` |
 
-mod added;
 mod aperture;
-mod blend;
-mod grid;
-mod linear;
-mod mesh;
-mod nonlinear;
-mod pass;
-mod quad;
+mod draw;
+mod ghost;
 mod quality;
-mod source;
 mod spectrum;
-mod sprite;
-mod star_pass;
 mod starburst;
 mod table;
-mod tracing;
 
 pub use aperture::Aperture;
-pub use blend::{Blend, Fit};
-pub use mesh::{FlareMesh, FlareMode, FlareParameters, Pattern, flare_mesh};
-pub use nonlinear::nonlinearity;
-pub use pass::{FlareFrame, FlarePass};
-pub use quality::{Preset, Quality};
-pub use source::{FlareSource, FlareVertex};
-pub use spectrum::{Wavelength, spectrum};
-pub use sprite::{Sprite, SpriteFrame, encode_images, encode_sprite};
-pub use star_pass::{Star, encode_starburst};
-pub use starburst::{Diffraction, fft_2d};
-pub use table::{
-    FlareTable, ImageTable, LightImage, TableError, TableFile, open_table, table_from_photos, write_table,
+pub use draw::{
+    CacheFills, FlareEffect, FlareFrame, FlareImage, FlareImager, FlareLight, FlareRequest, MeshStatistics,
+    SpriteFrame, film_half_mm,
 };
-pub use tracing::Tracing;
-
-use added::{Laid, added_pipeline, picture_group};
+pub use ghost::{
+    Blend, Fit, FlareMesh, FlareMode, FlareParameters, FlareSource, FlareVertex, GhostParameters, Pattern,
+    Tracing, TracingDevice, area_on_film, flare_mesh, nonlinearity,
+};
+pub use quality::{Preset, Quality};
+pub use spectrum::{Wavelength, spectrum};
+pub use starburst::{Diffraction, StarburstOptics, StarburstParameters, StarburstPattern, fft_2d};
+pub use table::{
+    FlareTable, ImageKnots, ImageTable, LightImage, TableError, TableFile, bake_images, open_table,
+    table_from_photos, write_table,
+};

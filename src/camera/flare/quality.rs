@@ -1,6 +1,6 @@
 //! What a flare may cost: one table.
 
-use super::FlareMode;
+use super::{Blend, Fit, FlareMode, GhostParameters, Pattern, StarburstParameters, TracingDevice};
 
 /// Names of the table's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -38,6 +38,31 @@ const fn preset(mode: FlareMode, numbers: [usize; 4]) -> Preset {
         rays,
         star_wavelengths,
         star_side,
+    }
+}
+
+impl Preset {
+    /// All ghosts, on the GPU.
+    pub fn ghosts(self) -> GhostParameters {
+        GhostParameters {
+            mode: self.mode,
+            wavelengths: self.wavelengths,
+            rays: self.rays,
+            only: None,
+            pattern: Pattern::Whole,
+            blend: Blend::Add,
+            fit: Fit::default(),
+            whole_entrance: false,
+            tracing: TracingDevice::Gpu,
+        }
+    }
+
+    /// The starburst.
+    pub fn starburst(self) -> StarburstParameters {
+        StarburstParameters {
+            wavelengths: self.star_wavelengths,
+            transform_size: self.star_side,
+        }
     }
 }
 

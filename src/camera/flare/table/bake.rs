@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::rays::{FlareTable, TabledGhost, between};
 use super::step::{COLOURS_UM, CURVE_UM, Light, Open, SIDE, Step, Values};
-use crate::camera::flare::grid::{RayGrid, SEARCH_RAYS};
-use crate::camera::flare::linear::{LinearGhost, stop_radius};
-use crate::camera::flare::nonlinear::{LINEAR_ENOUGH, nonlinearity};
-use crate::camera::flare::tracing::Tracing;
+use crate::camera::flare::ghost::grid::{RayGrid, SEARCH_RAYS};
+use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
+use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity};
+use crate::camera::flare::ghost::tracing::Tracing;
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};

@@ -70,7 +70,7 @@ struct Body {
 }
 
 const FORMAT: &str = "rilievo flare table";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Most bytes of an unpacked file.
 const MAX_BYTES: u64 = 128 << 20;
 

@@ -7,7 +7,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::step::{COLOURS_UM, CURVE_UM, Open, SIDE, STORED, Step, VALUES, Values};
-use crate::camera::flare::grid::RayGrid;
+use crate::camera::flare::ghost::grid::RayGrid;
 use crate::camera::path::Ghost;
 use crate::camera::trace::TracedRay;
 

@@ -4,7 +4,7 @@ use glam::DVec2;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
-use crate::camera::flare::grid::RayGrid;
+use crate::camera::flare::ghost::grid::RayGrid;
 
 /// Rays along a side of a stored grid, even.
 pub const SIDE: usize = 10;

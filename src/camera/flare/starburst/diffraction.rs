@@ -10,7 +10,7 @@ use num_complex::{Complex, Complex32, Complex64};
 use rayon::prelude::*;
 use rustfft::{FftDirection, FftNum, FftPlanner};
 
-use super::{Aperture, Wavelength};
+use crate::camera::flare::{Aperture, Wavelength};
 
 /// The power of the far field of an aperture.
 #[derive(Clone, Debug)]

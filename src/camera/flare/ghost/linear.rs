@@ -22,6 +22,8 @@ pub struct LinearGhost {
     pub centre: DVec2,
     /// Half its sides, millimetres.
     pub half: DVec2,
+    /// Centre and half size of its flare quad in the entrance, millimetres.
+    pub quad: [DVec2; 2],
 }
 
 impl LinearGhost {
@@ -38,15 +40,23 @@ impl LinearGhost {
         let reach = DVec2::splat((stop_mm / a[0]).abs());
         let low = (pupil - reach).max(DVec2::splat(-barrel_mm));
         let high = (pupil + reach).min(DVec2::splat(barrel_mm));
+        let [centre, half] = [0.5 * (low + high), 0.5 * (high - low)];
         Self {
             a,
             f,
             slope,
             stop_mm,
             barrel_mm,
-            centre: 0.5 * (low + high),
-            half: 0.5 * (high - low),
+            centre,
+            half,
+            quad: [centre, half],
         }
+    }
+
+    /// The same with a flare quad over the whole front of the lens.
+    pub fn with_whole_entrance(self) -> Self {
+        let quad = [DVec2::ZERO, DVec2::splat(self.barrel_mm)];
+        Self { quad, ..self }
     }
 
     /// Nothing of the pupil lies within the barrel.

@@ -4,9 +4,9 @@
 
 use glam::DVec2;
 
-use super::Wavelength;
 use super::linear::LinearGhost;
-use super::source::{FlareSource, FlareVertex, radiance, turned};
+use super::vertex::{FlareSource, FlareVertex};
+use crate::camera::flare::Wavelength;
 use crate::camera::path::Ghost;
 use crate::camera::trace::{Tracer, beam_direction};
 
@@ -24,22 +24,17 @@ pub fn quad(
     source: &FlareSource,
     ghost: Ghost,
 ) -> Vec<FlareVertex> {
-    let corners = if source.whole_entrance {
-        [DVec2::ZERO, DVec2::splat(linear.barrel_mm)]
-    } else {
-        [linear.centre, linear.half]
-    };
     let Some(losses) = Losses::from_ray(tracer, linear, source, ghost) else {
         return Vec::new();
     };
     let corner = |column: usize, row: usize| {
         let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
-        let entry = corners[0] + corners[1] * side;
-        let radiance = radiance(source, colour, losses.power_at(entry), linear.f[0].powi(-2));
+        let entry = linear.quad[0] + linear.quad[1] * side;
+        let radiance = source.radiance(colour, losses.power_at(entry), linear.f[0].powi(-2));
         FlareVertex {
-            sensor_mm: turned(linear.sensor(entry), source),
-            stop: turned(linear.stop(entry) / -linear.stop_mm, source),
-            barrel: turned(entry / linear.barrel_mm, source),
+            sensor_mm: source.rotated(linear.sensor(entry)),
+            stop: source.rotated(linear.stop(entry) / -linear.stop_mm),
+            barrel: source.rotated(entry / linear.barrel_mm),
             radiance,
             opacity: 0.0,
         }
@@ -70,10 +65,10 @@ pub fn two_rays(
             let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
             let entry = linear.centre + reach * side;
             FlareVertex {
-                sensor_mm: turned(sprite(0, side), source),
-                stop: turned(sprite(1, side), source),
-                barrel: turned(entry / linear.barrel_mm, source),
-                radiance: radiance(source, colour, losses.power_at(entry), areas),
+                sensor_mm: source.rotated(sprite(0, side)),
+                stop: source.rotated(sprite(1, side)),
+                barrel: source.rotated(entry / linear.barrel_mm),
+                radiance: source.radiance(colour, losses.power_at(entry), areas),
                 opacity: 0.0,
             }
         })

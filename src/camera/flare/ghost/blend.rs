@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::grid::RayGrid;
 use super::linear::LinearGhost;
-use super::nonlinear::LINEAR_ENOUGH;
+use super::nonlinearity::LINEAR_ENOUGH;
 use super::quad::Losses;
 
 /// The ways to blend.

@@ -2,9 +2,9 @@
 
 use glam::DVec2;
 
-use super::Wavelength;
 use super::linear::LinearGhost;
-use super::source::{FlareSource, FlareVertex, radiance, turned};
+use super::vertex::{FlareSource, FlareVertex};
+use crate::camera::flare::Wavelength;
 use crate::camera::rays::Bundle;
 use crate::camera::trace::TracedRay;
 
@@ -99,10 +99,10 @@ impl RayGrid {
                         continue;
                     }
                     vertices.extend(corners.map(|ray| FlareVertex {
-                        sensor_mm: turned(ray.sensor_mm, source),
-                        stop: turned(ray.stop_mm / -stop_mm, source),
+                        sensor_mm: source.rotated(ray.sensor_mm),
+                        stop: source.rotated(ray.stop_mm / -stop_mm),
                         barrel: [ray.relative_height as f32, 0.0],
-                        radiance: radiance(source, colour, share * ray.power, 0.5 * area / landed),
+                        radiance: source.radiance(colour, share * ray.power, 0.5 * area / landed),
                         opacity: opacity as f32,
                     }));
                 }

@@ -8,7 +8,17 @@ use crate::camera::rays::{Bundle, RayPass};
 use crate::camera::trace::{Tracer, beam_direction};
 use crate::gpu::{Gpu, GpuError};
 
-/// The place.
+/// Which of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TracingDevice {
+    /// f64, all cores.
+    Cpu,
+    /// f32.
+    #[default]
+    Gpu,
+}
+
+/// It, with what it needs.
 #[derive(Clone, Copy)]
 pub enum Tracing<'a> {
     /// f64, all cores.
