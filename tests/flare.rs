@@ -16,10 +16,11 @@ use rilievo::camera::flare::{
 };
 use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
 use rilievo::camera::{
-    Paraxial, Tracer, auto_exposure, beam_direction, single_crossing_ghosts, srgb, tone_mapped,
+    Paraxial, Tracer, auto_exposure, beam_direction, shoulder, single_crossing_ghosts, srgb, tone_curve,
+    tone_mapped,
 };
 use rilievo::city::City;
-use rilievo::gpu::{Gpu, Target, read_texture};
+use rilievo::gpu::{Gpu, Target, read_buffer, read_texture};
 use rilievo::output::write_png;
 use rilievo::relief::{CpuMap, SUN_RADIUS, sun_visibility};
 
@@ -178,7 +179,7 @@ fn each_mode_comes_near_dense_exact_rays() {
     }
 }
 
-/// The table plays back what exact rays give, also between its angles and colours, and out of its file (KR 10-1658883 states
+/// The table gives back what exact rays give, also between its angles and colours, and out of its file (KR 10-1658883 states
 /// 26.91 dB).
 #[test]
 fn the_table_comes_near_dense_exact_rays() {
@@ -404,7 +405,7 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
 
 /// Images over two angles give back what was baked there; photos too, and half way between two of them half of each.
 #[test]
-fn tables_of_images_play_what_was_recorded() {
+fn tables_of_images_give_what_was_recorded() {
     let gpu = Gpu::open().unwrap();
     let mut imager = FlareImager::new(&gpu);
     let lens = lens("tessar");
@@ -726,4 +727,162 @@ fn a_flare_is_made_once() {
     assert!((sum(&half) / sum(&whole) - 0.5).abs() < 1e-3);
     effect.prepare(&gpu, &behind).unwrap();
     assert_eq!(sum(&image(&effect)), 0.0);
+}
+
+/// Colours over the whole range that a half float holds, the same ones every time.
+fn colours(count: usize) -> Vec<[f32; 3]> {
+    // SplitMix64 (Steele, Lea & Flood 2014).
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 24) as f32
+    };
+    (0..count)
+        .map(|_| [0; 3].map(|_| 10_f32.powf(-4.0 + 8.0 * random())))
+        .collect()
+}
+
+/// Light added to any colour lowers no channel that is shown, so no luminance either; what is below the shoulder is unchanged,
+/// and everything is shown below white.
+#[test]
+fn added_light_darkens_nothing() {
+    let all = colours(20_000);
+    for pair in all.chunks_exact(2) {
+        let below = tone_curve(pair[0]);
+        let sum = tone_curve([0, 1, 2].map(|k: usize| pair[0][k] + pair[1][k]));
+        for k in 0..3 {
+            assert!(
+                sum[k] >= below[k] && sum[k] <= 1.0,
+                "{pair:?}: {below:?} to {sum:?}"
+            );
+            assert!(pair[0][k] >= 0.76 || below[k] == pair[0][k]);
+        }
+    }
+    // IEC 61966-2-1: black, the knee, half, white.
+    assert_eq!([0.0, 0.003_130_8, 0.5, 1.0].map(srgb), [0, 10, 188, 255]);
+}
+
+/// The curve of the shader is that of the CPU.
+#[test]
+fn the_tone_curve_is_the_same_on_both_sides() {
+    let gpu = Gpu::open().unwrap();
+    let inputs: Vec<f32> = colours(1024)
+        .into_iter()
+        .flatten()
+        .chain([-1.0, 0.0, 0.759_999, 0.76, 0.760_001, 1.0, 65504.0])
+        .collect();
+    let text = format!(
+        "{}\n@group(0) @binding(0) var<storage, read_write> values: array<f32>;\n\
+         @compute @workgroup_size(64) fn cs(@builtin(global_invocation_id) id: vec3<u32>) {{\n\
+         if id.x < arrayLength(&values) {{ values[id.x] = tone_curve(vec3<f32>(values[id.x])).y; }} }}",
+        include_str!("../shaders/lib/tone_curve.wgsl")
+    );
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let pipeline = gpu
+        .device
+        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &module,
+            entry_point: Some("cs"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+    let values = wgpu::util::DeviceExt::create_buffer_init(
+        &gpu.device,
+        &wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: bytemuck::cast_slice(&inputs),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        },
+    );
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: values.as_entire_binding(),
+        }],
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(inputs.len().div_ceil(64) as u32, 1, 1);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    let shown = read_buffer::<f32>(&gpu, &values).unwrap();
+    for (input, shown) in inputs.iter().zip(shown) {
+        let expected = shoulder(*input);
+        assert!(
+            (shown - expected).abs() <= 1e-6,
+            "{input}: {shown} and {expected}"
+        );
+    }
+}
+
+/// Every name in the table of claims is that of a function, a type or a test in the sources.
+#[test]
+fn the_table_of_claims_names_what_exists() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut sources = String::new();
+    let mut folders = vec![root.join("src/camera"), root.join("tests")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                sources += &std::fs::read_to_string(path).unwrap();
+            }
+        }
+    }
+    let words: std::collections::HashSet<String> = ["fn ", "struct ", "enum ", "trait "]
+        .iter()
+        .flat_map(|keyword| sources.split(keyword).skip(1))
+        .map(|rest| {
+            rest.chars()
+                .take_while(|&c| c.is_alphanumeric() || c == '_')
+                .collect()
+        })
+        .collect();
+    let fields: std::collections::HashSet<&str> = sources
+        .lines()
+        .filter_map(|line| {
+            line.trim()
+                .strip_prefix("pub ")?
+                .split_once(':')
+                .map(|(name, _)| name)
+        })
+        .collect();
+    let table = std::fs::read_to_string(root.join("src/camera/flare/mod.rs")).unwrap();
+    let mut checked = 0;
+    for row in table.lines().filter(|line| line.starts_with("//! |")).skip(2) {
+        // Odd pieces stand between backquotes.
+        for name in row.split('`').skip(1).step_by(2) {
+            if name.contains('/') {
+                assert!(root.join(name).is_file(), "{name}");
+                checked += 1;
+                continue;
+            }
+            for word in name
+                .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+                .filter(|word| !word.is_empty())
+            {
+                let is_module = sources.contains(&format!("mod {word};"));
+                assert!(
+                    words.contains(word) || fields.contains(word) || is_module,
+                    "{word} of {name} does not exist: {row}"
+                );
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 40, "only {checked} names in the table");
 }

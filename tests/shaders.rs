@@ -129,14 +129,14 @@ fn records_are_laid_out_alike_on_both_sides() {
         "Bundle",
         BundleRecord,
         [
-            "low_mm" = low_mm,
-            "high_mm" = high_mm,
+            "min_mm" = min_mm,
+            "max_mm" = max_mm,
             "direction" = direction,
             "sensor_gap_mm" = sensor_gap_mm,
             "wavelength_um" = wavelength_um,
             "first" = first,
             "count" = count,
-            "side" = side,
+            "size" = size,
             "padding" = padding,
         ]
     );

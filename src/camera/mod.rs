@@ -1,10 +1,10 @@
-//! The optics between radiance and the picture: the lens, its ways of light, and the development of the picture.
+//! The optics between radiance and the image: the lens, its paths of light, and the display.
 //!
 //! ```text
 //! lens ─▶ path ─▶ paraxial ─┐
 //!               └▶ trace ───┴▶ diagram, flare
 //!                   └▶ rays (its twin on the GPU, many at once)
-//! radiance ─▶ flare ─▶ develop ─▶ picture
+//! radiance ─▶ flare ─▶ develop ─▶ image
 //! ```
 
 mod develop;
@@ -28,5 +28,5 @@ pub use paraxial::{
 pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use rays::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
-pub use tone_curve::{srgb, tone_mapped};
+pub use tone_curve::{shoulder, srgb, tone_curve, tone_mapped};
 pub use trace::{TracedRay, Tracer, beam_direction};

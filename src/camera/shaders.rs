@@ -17,7 +17,11 @@ pub const ACCUMULATE: ShaderSource = ShaderSource {
 /// Exposure and tone mapping.
 pub const TONEMAP: ShaderSource = ShaderSource {
     name: "camera/tonemap.wgsl",
-    texts: &[text!("fullscreen.wgsl"), text!("camera/tonemap.wgsl")],
+    texts: &[
+        text!("fullscreen.wgsl"),
+        text!("lib/tone_curve.wgsl"),
+        text!("camera/tonemap.wgsl"),
+    ],
 };
 
 /// Ghosts.

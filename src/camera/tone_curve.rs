@@ -1,10 +1,22 @@
-//! The tone curve on the CPU.
+//! The tone curve on the CPU, function for function that of `shaders/lib/tone_curve.wgsl`, where its source is told; and the
+//! encoding of sRGB, which the display's target does on the device.
 
-/// The brightest channel, no more than a half float holds: a sum may have run over.
-pub fn brightest(rgb: &[f32; 3]) -> f32 {
-    rgb.iter()
-        .fold(0.0_f32, |most, &value| most.max(value))
-        .min(65504.0)
+/// What is darker than this is shown as it is.
+pub const START_COMPRESSION: f32 = 0.76;
+
+/// Display-linear value, 0 to 1, of an exposed one.
+pub fn shoulder(value: f32) -> f32 {
+    let c = value.max(0.0);
+    if c < START_COMPRESSION {
+        return c;
+    }
+    let d = 1.0 - START_COMPRESSION;
+    1.0 - d * d / (c + d - START_COMPRESSION)
+}
+
+/// Display-linear colour of an exposed one.
+pub fn tone_curve(colour: [f32; 3]) -> [f32; 3] {
+    colour.map(shoulder)
 }
 
 /// 8-bit sRGB code of a linear value (IEC 61966-2-1); what is brighter than 1 is white.
@@ -18,15 +30,12 @@ pub fn srgb(linear: f32) -> u8 {
     (255.0 * encoded).round() as u8
 }
 
-/// 8-bit sRGB of linear radiance times an exposure. The ghosts of one flare differ a hundredfold: the brightest channel is
-/// brought to x / (1 + x) and the others in proportion, so that none is cut off at white and all keep their hue
-/// (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", equation 3).
+/// 8-bit sRGB, RGBA, of linear radiance times an exposure.
 pub fn tone_mapped(radiance: &[[f32; 3]], exposure: f32) -> Vec<u8> {
     radiance
         .iter()
         .flat_map(|rgb| {
-            let share = exposure / (1.0 + exposure * brightest(rgb));
-            let [r, g, b] = rgb.map(|value| srgb(value.min(65504.0) * share));
+            let [r, g, b] = tone_curve(rgb.map(|value| value * exposure)).map(srgb);
             [r, g, b, 255]
         })
         .collect()

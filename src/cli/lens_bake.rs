@@ -125,7 +125,7 @@ pub fn bake_rays(lens: &Lens, f_number: f64) -> Result<FlareTable, CommandError>
     say!(
         "table: {} ghosts, {} angles in all, {:.2} MB, {:.0} ms to bake",
         table.len(),
-        table.steps(),
+        table.knots(),
         table.bytes() as f64 * 1e-6,
         start.elapsed().as_secs_f64() * 1e3
     );

@@ -10,9 +10,9 @@ pub fn area_on_film(vertices: &[FlareVertex], half_mm: [f64; 2]) -> f64 {
     let film = Rect::new(coord! { x: -x, y: -y }, coord! { x: x, y: y });
     vertices
         .chunks_exact(3)
-        .map(|corners| {
+        .map(|triangle_vertices| {
             let at = |k: usize| {
-                let [x, y] = corners[k].sensor_mm.map(f64::from);
+                let [x, y] = triangle_vertices[k].sensor_mm.map(f64::from);
                 coord! { x: x, y: y }
             };
             let triangle = Triangle::new(at(0), at(1), at(2));

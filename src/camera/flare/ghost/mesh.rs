@@ -1,9 +1,9 @@
-//! Ghosts as triangles on the sensor, each corner knowing where its ray crossed the stop and the lens barrel.
+//! Ghosts as triangles on the sensor, each vertex knowing where its ray crossed the stop and the lens barrel.
 //!
 //! - **paraxial**: four entrance points a ghost and wavelength, carried by the matrices (KR 10-1465658; Lee & Eisemann
 //!   2013, section 4): one flare quad. **two rays**: the same from two points.
 //! - **exact**: a grid of rays over the entrance, traced surface by surface (Hullin et al. 2011).
-//! - **blended**: quads where ghosts are nearly linear, grids where they depart from that, traced or out of a table
+//! - **blended**: quads where ghosts are nearly linear, grids where they are not, traced or out of a table
 //!   (KR 10-1658883).
 //!
 //! Energy: a beam of irradiance E on the entrance arrives as E · power · |entrance area / sensor area|. A scene of radiance
@@ -12,7 +12,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::blend::{Blend, Fit, fitted, shares};
+use super::blend::{Blend, Fit, fitted, fractions};
 use super::grid::{RayGrid, SEARCH_RAYS};
 use super::linear::{LinearGhost, stop_radius};
 use super::nonlinearity::nonlinearity;
@@ -59,7 +59,7 @@ pub struct GhostParameters {
     pub mode: FlareMode,
     /// Wavelengths.
     pub wavelengths: usize,
-    /// Rays along a side of a traced grid.
+    /// Rays along an edge of a traced grid.
     pub rays: usize,
     /// A single ghost; none for all that cross the stop once.
     pub only: Option<Ghost>,
@@ -90,7 +90,7 @@ pub struct FlareParameters<'a> {
     pub tracing: Tracing<'a>,
 }
 
-/// Triangles, three corners each.
+/// Triangles, three vertices each.
 #[derive(Clone, Debug, Default)]
 pub struct FlareMesh {
     /// Ghosts that add up.
@@ -110,20 +110,20 @@ impl FlareMesh {
     /// Area of all triangles, also beside the film, square millimetres.
     pub fn area_mm2(&self) -> f64 {
         let parts = [&self.added, &self.masks, &self.above];
-        let corners = parts.into_iter().flat_map(|vertices| vertices.chunks_exact(3));
-        corners.map(triangle_area_mm2).sum()
+        let triangles = parts.into_iter().flat_map(|vertices| vertices.chunks_exact(3));
+        triangles.map(triangle_area_mm2).sum()
     }
 }
 
-fn triangle_area_mm2(corners: &[FlareVertex]) -> f64 {
-    let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(corners[k].sensor_mm).as_dvec2());
+fn triangle_area_mm2(triangle: &[FlareVertex]) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(triangle[k].sensor_mm).as_dvec2());
     0.5 * (b - a).perp_dot(c - a).abs()
 }
 
 /// Rays traced and turned into triangles at a time.
 const RAYS_AT_ONCE: usize = 1 << 18;
 
-/// A ghost and the shares of its linear and its nonlinear image.
+/// A ghost and the fractions of its linear and its nonlinear image.
 struct Part {
     ghost: Ghost,
     linear: f64,
@@ -179,7 +179,7 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
         })
         .collect();
 
-    let covering = &optics[optics.len() / 2];
+    let masking = &optics[optics.len() / 2];
     let curved: Vec<&Part> = parts.iter().filter(|part| part.nonlinear > 0.0).collect();
     let grids_of = |jobs: &[(&Part, &Optics)], grids: Vec<Option<RayGrid>>| -> Vec<FlareVertex> {
         jobs.par_iter()
@@ -196,7 +196,7 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
                             None => grid,
                         }
                     };
-                    let opacity = if std::ptr::eq(*optics, covering) {
+                    let opacity = if std::ptr::eq(*optics, masking) {
                         part.nonlinear
                     } else {
                         0.0
@@ -227,21 +227,21 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
             ghost: Some(part.ghost),
             wavelength_um: D_LINE_UM,
             angle: source.angle,
-            low: DVec2::splat(-linear.barrel_mm),
-            high: DVec2::splat(linear.barrel_mm),
+            min: DVec2::splat(-linear.barrel_mm),
+            max: DVec2::splat(linear.barrel_mm),
         };
         let searches: Vec<Bundle> = curved.iter().zip(&linears).map(whole).collect();
         let found = parameters.tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
         let mut jobs = Vec::new();
         for ((&part, linear), search) in curved.iter().zip(&linears).zip(&found) {
-            if let Some([low, high]) = search.window(linear) {
+            if let Some([min, max]) = search.window(linear) {
                 jobs.extend(optics.iter().map(|optics| {
                     let bundle = Bundle {
                         ghost: Some(part.ghost),
                         wavelength_um: optics.colour.um,
                         angle: source.angle,
-                        low,
-                        high,
+                        min,
+                        max,
                     };
                     ((part, optics), bundle)
                 }));
@@ -258,13 +258,13 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
         added.extend(traced);
         traced = Vec::new();
     }
-    // One colour covers for all: each would hide the others.
+    // One colour masks for all: each would hide the others.
     let masks = traced
         .iter()
-        .filter(|corner| corner.opacity > 0.0)
-        .map(|corner| FlareVertex {
+        .filter(|vertex| vertex.opacity > 0.0)
+        .map(|vertex| FlareVertex {
             radiance: [0.0; 3],
-            ..*corner
+            ..*vertex
         })
         .collect();
     Ok(FlareMesh {
@@ -289,7 +289,7 @@ fn parts(parameters: &FlareParameters<'_>) -> Vec<Part> {
     ghosts
         .into_par_iter()
         .map(|ghost| {
-            // Beside a table of images, ghosts are shared out as they were when it was drawn.
+            // Beside a table of images, ghosts are divided as they were when it was drawn.
             let (mode, blend) = match asked.pattern {
                 Pattern::Whole => (asked.mode, asked.blend),
                 _ => (FlareMode::Blended, Blend::Add),
@@ -299,15 +299,15 @@ fn parts(parameters: &FlareParameters<'_>) -> Vec<Part> {
                 (FlareMode::Exact, _) => [0.0, 1.0],
                 (FlareMode::Blended, Some(table)) => match table.ghost(ghost) {
                     Some(_) if blend == Blend::Add => [0.0, 1.0],
-                    Some(tabled) => shares(blend, tabled.nonlinearity_error(source.angle)),
+                    Some(tabled) => fractions(blend, tabled.nonlinearity_error(source.angle)),
                     None => [1.0, 0.0],
                 },
                 (FlareMode::Blended, None) => {
                     let nonlinearity_error = nonlinearity(lens, ghost, source.angle, source.f_number);
-                    shares(blend, nonlinearity_error.unwrap_or(f64::INFINITY))
+                    fractions(blend, nonlinearity_error.unwrap_or(f64::INFINITY))
                 }
             };
-            let drawn = |is_drawn: bool, share: f64| if is_drawn { share } else { 0.0 };
+            let drawn = |is_drawn: bool, fraction: f64| if is_drawn { fraction } else { 0.0 };
             Part {
                 ghost,
                 linear: drawn(asked.pattern != Pattern::Nonlinear, linear),

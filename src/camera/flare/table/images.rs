@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-/// Most pixels along an image's side.
+/// Most pixels along an image's edge.
 pub const MAX_SIDE: u32 = 1024;
 
 /// An image of the light's flare.
@@ -19,13 +19,13 @@ pub struct LightImage {
     pub azimuth: f64,
     /// Columns and rows.
     pub size: [u32; 2],
-    /// Corners on the film, millimetres, x right and y up.
+    /// Least coordinates on the film, millimetres, x right and y up.
     pub min_mm: [f64; 2],
-    /// See `min_mm`.
+    /// Greatest coordinates.
     pub max_mm: [f64; 2],
     /// Radiance of the brightest value.
     brightest: f32,
-    /// RGB, rows from the top: 255 · root of the share of the brightest.
+    /// RGB, rows from the top: 255 · root of the fraction of the brightest.
     #[serde(with = "serde_bytes")]
     roots: Vec<u8>,
 }
@@ -40,7 +40,7 @@ pub struct ImageTable {
     images: Vec<LightImage>,
 }
 
-/// An image to lay down.
+/// An image to blend in.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluatedImage<'a> {
     /// It.
@@ -54,12 +54,12 @@ pub struct EvaluatedImage<'a> {
 }
 
 impl LightImage {
-    /// Of linear radiance on a film that spans `half_mm` to each side, RGB, rows from the top; cut to what is lit.
+    /// Of linear radiance on a film that spans `half_mm` from its centre, RGB, rows from the top; cut to what is lit.
     pub fn new(angle: f64, azimuth: f64, radiance: &[[f32; 3]], size: [u32; 2], half_mm: [f64; 2]) -> Self {
         let brightest = radiance
             .iter()
             .flatten()
-            .fold(0.0_f32, |most, &value| most.max(value));
+            .fold(0.0_f32, |max, &value| max.max(value));
         let root =
             |value: f32| (255.0 * (value.max(0.0) / brightest.max(f32::MIN_POSITIVE)).sqrt()).round() as u8;
         let [columns, rows] = size.map(|side| side as usize);

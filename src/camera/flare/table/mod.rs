@@ -11,7 +11,7 @@ mod image_bake;
 mod images;
 mod photos;
 mod rays;
-mod step;
+mod knot;
 
 pub use file::{TableError, TableFile, open_table, write_table};
 pub use image_bake::{ImageKnots, bake_images};
