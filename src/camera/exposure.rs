@@ -1,11 +1,12 @@
 //! Exposure: the factor from radiance to the values that the tone curve takes.
 
-use super::tone_curve::START_COMPRESSION;
+/// Fraction of the lit pixels that may be brighter than `BRIGHT`.
+const BRIGHTER_FRACTION: f64 = 0.005;
+/// What the tone curve shows at 0.94 of the display's white.
+const BRIGHT: f32 = 1.5;
 
-/// Fraction of the lit pixels that may be compressed.
-const COMPRESSED_FRACTION: f64 = 0.005;
-
-/// Factor that brings all but the brightest 0.5 % of the lit pixels below the tone curve's shoulder.
+/// Factor that brings all but the brightest 0.5 % of the lit pixels below 1.5: the ghosts of one flare differ a hundredfold, so
+/// the brightest are compressed and none is cut off.
 pub fn auto_exposure(radiance: &[[f32; 3]]) -> f32 {
     let mut lit: Vec<f32> = radiance
         .iter()
@@ -15,7 +16,7 @@ pub fn auto_exposure(radiance: &[[f32; 3]]) -> f32 {
     if lit.is_empty() {
         return 1.0;
     }
-    let index = ((lit.len() - 1) as f64 * (1.0 - COMPRESSED_FRACTION)) as usize;
+    let index = ((lit.len() - 1) as f64 * (1.0 - BRIGHTER_FRACTION)) as usize;
     let (_, bright, _) = lit.select_nth_unstable_by(index, f32::total_cmp);
-    START_COMPRESSION / bright.max(f32::MIN_POSITIVE)
+    BRIGHT / bright.max(f32::MIN_POSITIVE)
 }

@@ -21,7 +21,7 @@ pub struct FlareFlags {
     /// What the flare may cost: a row of the table of presets.
     #[arg(long, value_enum, requires = "lens")]
     quality: Option<Quality>,
-    /// How ghosts are made, instead of the quality's way.
+    /// How ghosts are made, instead of as the quality has it.
     #[arg(long = "flare", visible_alias = "mode", value_enum, requires = "lens")]
     mode: Option<FlareMode>,
     /// How linear and nonlinear ghosts come together in the blended mode.
@@ -30,7 +30,7 @@ pub struct FlareFlags {
     /// What of the nonlinear ghosts is fitted to the linear ones.
     #[arg(long, value_enum, value_delimiter = ',', requires = "lens")]
     fit: Vec<Fitted>,
-    /// Play a table that `rilievo lens bake` made.
+    /// Draw from a table that `rilievo lens bake` made.
     #[arg(long, requires = "lens")]
     flare_table: Option<PathBuf>,
 }
@@ -39,7 +39,7 @@ impl FlareFlags {
     /// The asked quality's row, or the one of `default`, in the asked mode.
     pub fn preset(&self, default: Quality) -> Preset {
         let row = self.quality.unwrap_or(default).preset();
-        // A table is what the blended mode plays.
+        // A table is what the blended mode draws from.
         let own = if self.flare_table.is_some() {
             FlareMode::Blended
         } else {
@@ -66,7 +66,7 @@ impl FlareFlags {
         };
         if self.mode.is_some_and(|mode| mode != FlareMode::Blended) {
             return Err(CommandError::Argument(
-                "--flare-table plays in the blended mode; leave out --flare (--mode)".to_owned(),
+                "--flare-table is for the blended mode; leave out --flare (--mode)".to_owned(),
             ));
         }
         let table = open_table(path, lens, f_number)?;

@@ -1,4 +1,4 @@
-//! `rilievo lens bake`: a lens's ghosts recorded beforehand, traced, drawn or from photos.
+//! `rilievo lens bake`: a lens's ghosts recorded beforehand, traced, drawn or photographed.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,8 +21,8 @@ pub struct BakeArgs {
     /// The f-number.
     #[arg(long, value_parser = super::lens_flags::f_number, required_unless_present = "photos")]
     f_number: Option<f64>,
-    /// Images over two angles instead of rays over one: ANGLESxTURNS, such as 16x8; for irises without symmetry.
-    #[arg(long, value_parser = steps, conflicts_with = "photos")]
+    /// Images over two angles instead of rays over one: ANGLESxAZIMUTHS, such as 16x8; for irises without symmetry.
+    #[arg(long, value_parser = knots, conflicts_with = "photos")]
     two_angles: Option<[u32; 2]>,
     /// Blades of the iris in those images.
     #[arg(long, default_value_t = 8, requires = "two_angles")]
@@ -47,20 +47,22 @@ pub struct BakeArgs {
     out: PathBuf,
 }
 
-/// `ANGLESxTURNS`.
-fn steps(text: &str) -> Result<[u32; 2], String> {
+/// `ANGLESxAZIMUTHS`.
+fn knots(text: &str) -> Result<[u32; 2], String> {
     let counts: Option<Vec<u32>> = text.split('x').map(|count| count.parse().ok()).collect();
     match counts.as_deref() {
-        Some(&[angles, turns]) if angles >= 2 && turns >= 1 && angles.saturating_mul(turns) <= MAX_IMAGES => {
-            Ok([angles, turns])
+        Some(&[angles, azimuths])
+            if angles >= 2 && azimuths >= 1 && angles.saturating_mul(azimuths) <= MAX_IMAGES =>
+        {
+            Ok([angles, azimuths])
         }
         _ => Err(format!(
-            "give at least 2 angles and 1 turn, {MAX_IMAGES} images at most, such as 16x8"
+            "give at least 2 angles and 1 azimuth, {MAX_IMAGES} images at most, such as 16x8"
         )),
     }
 }
 
-/// Most images of a table.
+/// Most images in a table.
 const MAX_IMAGES: u32 = 600;
 
 /// Pixels along a baked image's side.
@@ -84,7 +86,7 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
             say!("{} photos", table.len());
             TableFile::Images(table)
         }
-        (None, Some(steps), Some(f_number)) => {
+        (None, Some([angles, azimuths]), Some(f_number)) => {
             let gpu = Gpu::open().map_err(RenderError::from)?;
             let request = FlareRequest {
                 lens: Arc::clone(&lens),
@@ -101,8 +103,8 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
             };
             let knots = ImageKnots {
                 max_angle: max_angle(&lens),
-                angles: steps[0],
-                azimuths: steps[1],
+                angles,
+                azimuths,
                 size: IMAGE_SIZE,
             };
             let table =

@@ -1,4 +1,4 @@
-//! `rilievo lens flare`: a picture of the sun's flare in a lens.
+//! `rilievo lens flare`: an image of the sun's flare in a lens.
 
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ use crate::output::{RenderError, contact_sheet, write_png, write_radiance};
 pub struct FlareArgs {
     /// A built-in name or a file.
     lens: String,
-    /// The sun: degrees from the axis, and degrees from the right towards the top of the picture.
+    /// The sun: degrees from the axis, and degrees from the right towards the top of the image.
     #[arg(long, value_parser = super::lens_flags::millimetres, allow_hyphen_values = true)]
     angle: DVec2,
     /// The f-number.
@@ -49,16 +49,16 @@ pub struct FlareArgs {
     /// Rays along a side of a traced ghost's grid [default: the quality's, else 64].
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..=512))]
     rays: Option<u32>,
-    /// Draw over the whole front of the lens, not the effective pupil alone: the same picture by more work.
+    /// Draw over the whole front of the lens, not the effective pupil alone: the same image by more work.
     #[arg(long)]
     whole_entrance: bool,
     /// Blades of the iris; fewer than 3 are a circle.
     #[arg(long, default_value_t = 8)]
     blades: u32,
-    /// Picture size, pixels.
+    /// Image size, pixels.
     #[arg(long, default_value = "960x640", value_parser = super::render::size)]
     size: [u32; 2],
-    /// The picture to write. Its exposure is that of the paraxial flare, whatever the mode.
+    /// The image to write. Its exposure is that of the paraxial flare, whatever the mode.
     #[arg(long)]
     out: PathBuf,
     /// Linear radiance for a sun of irradiance 1 (f32 TIFF).

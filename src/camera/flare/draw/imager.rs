@@ -35,8 +35,7 @@ impl<'a> FlareImager<'a> {
         }
     }
 
-    /// Draws a flare on `size` pixels. The red, green and blue of what a sum overflows are the largest that a half float
-    /// holds.
+    /// Draws a flare on `size` pixels; sums that a half float does not hold are the largest that it does.
     ///
     /// # Errors
     /// When the device fails.
@@ -63,16 +62,12 @@ impl<'a> FlareImager<'a> {
         Ok(FlareImage {
             radiance: halves
                 .iter()
-                .map(|texel| [texel[0], texel[1], texel[2]].map(|value| value.to_f32().min(f16_max())))
+                .map(|texel| [texel[0], texel[1], texel[2]].map(|value| value.min(half::f16::MAX).to_f32()))
                 .collect(),
             mesh: self.effect.statistics(),
             gpu_ms: self.timer.milliseconds(gpu)?.map(|spans| spans[0]),
         })
     }
-}
-
-fn f16_max() -> f32 {
-    half::f16::MAX.to_f32()
 }
 
 /// Half the film that an image of `size` pixels shows when its width is the film's, millimetres.

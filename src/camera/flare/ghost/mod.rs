@@ -12,13 +12,15 @@ pub(super) mod grid;
 pub(super) mod linear;
 mod mesh;
 pub(super) mod nonlinearity;
+mod parameters;
 mod quad;
 pub(super) mod tracing;
 mod vertex;
 
 pub use area::area_on_film;
 pub use blend::{Blend, Fit};
-pub use mesh::{FlareMesh, FlareMode, FlareParameters, GhostParameters, Pattern, flare_mesh};
+pub use mesh::{FlareMesh, flare_mesh};
 pub use nonlinearity::nonlinearity;
+pub use parameters::{FlareMode, FlareParameters, GhostParameters, Pattern};
 pub use tracing::{Tracing, TracingDevice};
 pub use vertex::{FlareSource, FlareVertex};
