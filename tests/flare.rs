@@ -16,7 +16,6 @@ use rilievo::camera::{Ghost, Paraxial, Tracer, beam_direction};
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
 use rilievo::output::{FlarePicture, FlareRenderer, auto_exposure, srgb, tone_mapped, write_png};
-use rilievo::relief::{CpuMap, SUN_RADIUS, sun_visibility};
 
 const CIRCLE: Aperture = Aperture {
     blades: 0,
@@ -595,52 +594,6 @@ fn the_effective_pupil_changes_nothing_but_the_work() {
         );
         assert!(whole.area_mm2 > 1.5 * clipped.area_mm2);
     }
-}
-
-/// As the sun rises over a roof its visible share grows monotonically, and never at once.
-#[test]
-fn the_sun_fades_softly_behind_a_roof() {
-    let city = City::open(&support::sample().join("city")).unwrap();
-    let map = CpuMap::new(&city, 1000.0);
-    let (_, eye, _) = support::VIEWS[0];
-    let eye = DVec3::from_array(eye);
-    let mut swept = 0;
-    for azimuth_deg in [0.0_f64, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0] {
-        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-        let share = |altitude: f64| {
-            let to_sun = DVec3::new(sin * altitude.cos(), cos * altitude.cos(), altitude.sin());
-            sun_visibility(&city, &map, eye, to_sun).unwrap()
-        };
-        let (mut low, mut high) = (0.0, 1.3);
-        if share(low) > 0.0 || share(high) < 1.0 {
-            continue;
-        }
-        while high - low > 1e-4 {
-            let centre = 0.5 * (low + high);
-            if share(centre) > 0.5 {
-                high = centre
-            } else {
-                low = centre
-            }
-        }
-        // Sixteen frames from just hidden to just free.
-        let frames: Vec<f64> = (0..=16)
-            .map(|frame| share(low + 1.15 * SUN_RADIUS * (f64::from(frame) / 8.0 - 1.0)))
-            .collect();
-        // A clean edge: another roof above or beside it makes a sweep of its own.
-        if frames[0] > 0.01 || frames[16] < 0.99 {
-            continue;
-        }
-        for pair in frames.windows(2) {
-            let step = pair[1] - pair[0];
-            assert!(
-                (-1e-9..=0.15).contains(&step),
-                "azimuth {azimuth_deg}: {frames:?}"
-            );
-        }
-        swept += 1;
-    }
-    assert!(swept >= 2, "the eye sees no roof's edge");
 }
 
 #[test]

@@ -8,39 +8,46 @@ use std::path::Path;
 
 use glam::DVec3;
 use rilievo::city::City;
-use rilievo::output::{Picture, PictureRequest, Renderer};
-use rilievo::relief::{Light, ReliefMode};
+use rilievo::gpu::Gpu;
+use rilievo::output::{Renderer, Still};
+use rilievo::relief::ReliefMode;
 use rilievo::scene::TerrainMesh;
-use rilievo::space::View;
+use rilievo::space::Sun;
 use support::raycaster::{Raycaster, Truth};
 
 const SIZE: [u32; 2] = [192, 108];
 
-fn view(eye: [f64; 3], look: [f64; 3]) -> View {
+/// A pinhole, by its definition.
+#[derive(Clone, Copy)]
+struct View {
+    eye: DVec3,
+    target: DVec3,
+    fov_y: f64,
+}
+
+fn view(eye: [f64; 3], target: [f64; 3]) -> View {
     View {
         eye: DVec3::from_array(eye),
-        look: DVec3::from_array(look),
+        target: DVec3::from_array(target),
         fov_y: 60_f64.to_radians(),
     }
 }
 
-fn draw(renderer: &Renderer, view: View, mode: ReliefMode) -> Picture {
-    renderer
-        .picture(&PictureRequest {
-            view,
-            size: SIZE,
-            light: Light {
-                to_sun: DVec3::new(-0.5, -0.5, 0.7).normalize(),
-            },
-            mode,
-            samples: 1,
-        })
-        .unwrap()
+fn draw(renderer: &mut Renderer, view: View, mode: ReliefMode) -> Still {
+    let camera = support::pinhole(view.eye.to_array(), view.target.to_array(), view.fov_y);
+    let sun = Sun::from_direction(DVec3::new(-0.5, -0.5, 0.7).normalize());
+    let request = rilievo::output::FrameRequest {
+        mode,
+        ..support::request(&camera, &sun, SIZE)
+    };
+    renderer.still(&request, 1).unwrap()
 }
 
-fn open(mode: ReliefMode, mesh: TerrainMesh) -> Renderer {
+fn open(mesh: TerrainMesh) -> Renderer {
     let city = City::open(&support::sample().join("city")).unwrap();
-    Renderer::open(&city, mode, mesh).unwrap()
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, mesh).unwrap();
+    renderer.load_polygons(&city).unwrap();
+    renderer
 }
 
 fn caster() -> Raycaster {
@@ -54,7 +61,7 @@ fn caster() -> Raycaster {
 
 /// Rays of a pinhole, derived here from the definition of the camera alone.
 fn ray(view: &View, column: u32, row: u32) -> DVec3 {
-    let forward = (view.look - view.eye).normalize();
+    let forward = (view.target - view.eye).normalize();
     let right = forward.cross(DVec3::Z).normalize();
     let up = right.cross(forward);
     let half = (view.fov_y / 2.0).tan();
@@ -64,7 +71,7 @@ fn ray(view: &View, column: u32, row: u32) -> DVec3 {
 }
 
 /// What must hold (the project's accuracy promise).
-fn check(name: &str, caster: &Raycaster, view: View, picture: &Picture) {
+fn check(name: &str, caster: &Raycaster, view: View, picture: &Still) {
     let [width, height] = SIZE;
     let truth: Vec<Truth> = (0..width * height)
         .map(|k| caster.cast(view.eye.to_array(), ray(&view, k % width, k / width).to_array()))
@@ -125,26 +132,26 @@ fn check(name: &str, caster: &Raycaster, view: View, picture: &Picture) {
 
 #[test]
 fn exact_relief_is_true() {
-    let (caster, renderer) = (caster(), open(ReliefMode::Exact, TerrainMesh::Tin));
+    let (caster, mut renderer) = (caster(), open(TerrainMesh::Tin));
     for (name, eye, look) in support::VIEWS {
         let view = view(eye, look);
         check(
             &format!("exact {name}"),
             &caster,
             view,
-            &draw(&renderer, view, ReliefMode::Exact),
+            &draw(&mut renderer, view, ReliefMode::Exact),
         );
     }
 }
 
 #[test]
 fn polygons_are_true_and_agree_with_exact() {
-    let (caster, renderer) = (caster(), open(ReliefMode::Polygons, TerrainMesh::Tin));
+    let (caster, mut renderer) = (caster(), open(TerrainMesh::Tin));
     for (name, eye, look) in support::VIEWS {
         let view = view(eye, look);
-        let polygons = draw(&renderer, view, ReliefMode::Polygons);
+        let polygons = draw(&mut renderer, view, ReliefMode::Polygons);
         check(&format!("polygons {name}"), &caster, view, &polygons);
-        let exact = draw(&renderer, view, ReliefMode::Exact);
+        let exact = draw(&mut renderer, view, ReliefMode::Exact);
         let differing = exact
             .ids
             .iter()
@@ -160,14 +167,14 @@ fn polygons_are_true_and_agree_with_exact() {
 
 #[test]
 fn the_regular_grid_draws_the_same_ground() {
-    let (caster, renderer) = (caster(), open(ReliefMode::Exact, TerrainMesh::Grid));
+    let (caster, mut renderer) = (caster(), open(TerrainMesh::Grid));
     let (name, eye, look) = support::VIEWS[1];
     let view = view(eye, look);
     check(
         &format!("grid {name}"),
         &caster,
         view,
-        &draw(&renderer, view, ReliefMode::Exact),
+        &draw(&mut renderer, view, ReliefMode::Exact),
     );
 }
 

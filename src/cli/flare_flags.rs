@@ -79,6 +79,20 @@ impl FlareFlags {
         Ok(Some(table))
     }
 
+    /// What a lens at an f-number adds to an image.
+    ///
+    /// # Errors
+    /// When the asked table does not fit.
+    pub fn settings(
+        &self,
+        _lens: &Lens,
+        _f_number: f64,
+        _aperture: crate::camera::flare::Aperture,
+        _ghosts: bool,
+    ) -> Result<crate::output::FlareSettings, CommandError> {
+        Ok(crate::output::FlareSettings {})
+    }
+
     /// The asked fits.
     pub fn fit(&self) -> Fit {
         Fit {

@@ -13,6 +13,7 @@ macro_rules! say {
 mod args;
 mod bench;
 mod bench_flare;
+mod camera_flags;
 mod flare_flags;
 mod import;
 mod info;
@@ -24,6 +25,7 @@ mod lens_trace;
 mod render;
 mod sample;
 mod statistics;
+mod values;
 
 use std::process::ExitCode;
 

@@ -73,10 +73,10 @@ impl<'a> FlareRenderer<'a> {
         };
         let mesh_ms = start.elapsed().as_secs_f64() * 1e3;
         let target = Target::new(gpu, "flare", size, FORMAT);
-        let timer = PassTimer::new(gpu, 1);
+        let timer = PassTimer::new(gpu, &["flare"]);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         self.pass
-            .encode(gpu, &mut encoder, &target, &mesh, half_mm, 1.0, timer.of_pass(0));
+            .encode(gpu, &mut encoder, &target, &mesh, half_mm, 1.0, timer.pass(0));
         if let Some(images) = images {
             let FlareSource {
                 angle,
@@ -107,7 +107,7 @@ impl<'a> FlareRenderer<'a> {
                 .collect(),
             triangles: corners.len() / 3,
             area_mm2: corners.chunks_exact(3).map(triangle_area).sum(),
-            gpu_ms: timer.milliseconds(gpu)?.map(|spans| spans[0]),
+            gpu_ms: timer.read(gpu)?.map(|spans| spans[0].1),
             mesh_ms,
         })
     }

@@ -7,6 +7,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+use glam::DVec3;
+use rilievo::camera::Camera;
+use rilievo::output::FrameRequest;
+use rilievo::relief::ReliefMode;
+use rilievo::space::{Pose, Sun};
+
 /// The program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_rilievo");
 
@@ -65,6 +71,24 @@ pub fn import_arguments(files: &Path, out: &Path) -> Vec<String> {
     arguments.extend(["photo_0_0.tif", "photo_1_0.tif", "photo_0_1.tif", "photo_1_1.tif"].map(file));
     arguments.extend(["--out".to_owned(), out.display().to_string()]);
     arguments
+}
+
+/// A pinhole camera; `fov_y` in radians.
+pub fn pinhole(eye: [f64; 3], target: [f64; 3], fov_y: f64) -> Camera {
+    let pose = Pose::looking_at(DVec3::from_array(eye), DVec3::from_array(target));
+    Camera::pinhole(pose, fov_y)
+}
+
+/// A frame of buildings out of the building map, without a lens.
+pub fn request<'a>(camera: &'a Camera, sun: &'a Sun, size: [u32; 2]) -> FrameRequest<'a> {
+    FrameRequest {
+        camera,
+        sun,
+        size,
+        mode: ReliefMode::Exact,
+        flare: None,
+        exposure: 1.0,
+    }
 }
 
 /// Three views of the sample city: street level, oblique, high. Eye and look in its CRS.

@@ -117,7 +117,7 @@ impl FlarePass {
         }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("flare"),
-            color_attachments: &[target.kept()],
+            color_attachments: &[target.loaded()],
             timestamp_writes: timestamps,
             ..Default::default()
         });

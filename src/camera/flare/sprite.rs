@@ -96,7 +96,7 @@ pub fn encode_sprite(
     let group = picture_group(gpu, &pipeline, &uniforms, &view, &sampler);
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("sprite"),
-        color_attachments: &[target.kept()],
+        color_attachments: &[target.loaded()],
         ..Default::default()
     });
     pass.set_pipeline(&pipeline);

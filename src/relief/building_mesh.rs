@@ -25,6 +25,12 @@ pub struct MeshVertex {
     pub fid: u32,
 }
 
+impl MeshVertex {
+    /// As `shaders/relief/polygons.wgsl` takes them.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Uint32, 3 => Uint32];
+}
+
 /// Triangles of many buildings.
 #[derive(Clone, Debug, Default)]
 pub struct BuildingMesh {
