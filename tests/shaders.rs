@@ -131,21 +131,27 @@ fn records_are_laid_out_alike_on_both_sides() {
         "Bundle",
         BundleRecord,
         [
-            "low_mm" = low_mm,
-            "high_mm" = high_mm,
+            "min_mm" = min_mm,
+            "max_mm" = max_mm,
             "direction" = direction,
             "sensor_gap_mm" = sensor_gap_mm,
             "wavelength_um" = wavelength_um,
             "first" = first,
             "count" = count,
-            "side" = side,
+            "size" = size,
             "padding" = padding,
         ]
     );
     same_layout!(
         "FlareFrame",
         FlareFrame,
-        ["half_mm" = half_mm, "mask_reach" = mask_reach, "scale" = scale]
+        [
+            "half_mm" = half_mm,
+            "mask_extent" = mask_extent,
+            "padding_a" = padding_a,
+            "irradiance" = irradiance,
+            "padding_b" = padding_b,
+        ]
     );
     same_layout!(
         "SpriteFrame",
@@ -153,7 +159,7 @@ fn records_are_laid_out_alike_on_both_sides() {
         [
             "centre_mm" = centre_mm,
             "half_mm" = half_mm,
-            "turn" = turn,
+            "rotation" = rotation,
             "image_half_mm" = image_half_mm,
             "radiance" = radiance,
             "padding" = padding,

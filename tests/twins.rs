@@ -55,8 +55,8 @@ fn bundles(lens: &Lens, angle_deg: f64, reach_mm: f64) -> Vec<Bundle> {
             ghost,
             wavelength_um,
             angle: f64::to_radians(angle_deg),
-            low: DVec2::splat(-reach_mm),
-            high: DVec2::new(reach_mm, 0.9 * reach_mm),
+            min: DVec2::splat(-reach_mm),
+            max: DVec2::new(reach_mm, 0.9 * reach_mm),
         })
     })
     .collect()
@@ -83,7 +83,7 @@ fn cpu_and_gpu_rays_through_lenses_agree() {
                 let tracer = Tracer::new(&lens, bundle.wavelength_um, gap);
                 for (k, on_gpu) in grid.iter().enumerate() {
                     let share = DVec2::new((k % SIDE) as f64, (k / SIDE) as f64) / (SIDE - 1) as f64;
-                    let entry = bundle.low + (bundle.high - bundle.low) * share;
+                    let entry = bundle.min + (bundle.max - bundle.min) * share;
                     let on_cpu = tracer.trace(bundle.ghost, entry, beam_direction(bundle.angle));
                     // Rays that the barrel holds may graze a surface, where f32 cannot follow.
                     let Some(on_cpu) = on_cpu.filter(|ray| ray.relative_height <= 1.0) else {

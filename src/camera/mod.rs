@@ -10,6 +10,7 @@
 
 mod accumulate;
 mod diagram;
+mod exposure;
 pub mod flare;
 pub mod lens;
 mod paraxial;
@@ -18,16 +19,19 @@ mod path;
 mod rays;
 mod shaders;
 mod tone_map;
+mod tone_curve;
 mod trace;
 
 pub use accumulate::Accumulate;
 pub use diagram::lens_diagram;
-pub use optics::{Camera, FULL_FRAME_MM, LensOptics, LightPosition, Optics};
+pub use exposure::auto_exposure;
+pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics};
 pub use paraxial::{
     Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
 };
 pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use rays::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
+pub use tone_curve::{shoulder, srgb, tone_curve, tone_mapped};
 pub use tone_map::{Exposure, ToneMap};
 pub use trace::{TracedRay, Tracer, beam_direction};

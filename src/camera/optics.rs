@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
-
 use super::Paraxial;
+use super::flare::FlareLight;
 use super::lens::{D_LINE_UM, Lens};
 use crate::space::{Pose, Projection, Sun};
 
@@ -45,15 +44,6 @@ pub struct LensOptics {
     pub sensor_mm: [f64; 2],
     /// Vertical field of view that the image is cropped to, radians; none for all that the sensor has.
     pub crop_fov_y: Option<f64>,
-}
-
-/// A position of a light before the lens.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightPosition {
-    /// Angle from the axis, radians.
-    pub angle: f64,
-    /// From the right of the image towards its top, radians.
-    pub azimuth: f64,
 }
 
 impl LensOptics {
@@ -123,16 +113,19 @@ impl Camera {
         }
     }
 
-    /// Where the sun stands before the camera; none behind it.
-    pub fn position_of(&self, sun: &Sun) -> Option<LightPosition> {
+    /// The sun as light that falls on the camera.
+    pub fn light_from(&self, sun: &Sun) -> FlareLight {
         let Pose {
             right, up, forward, ..
         } = self.pose;
-        let ahead = sun.to_sun.dot(forward);
-        let aside = DVec2::new(sun.to_sun.dot(right), sun.to_sun.dot(up));
-        (ahead > 0.0).then(|| LightPosition {
-            angle: aside.length().atan2(ahead),
-            azimuth: aside.y.atan2(aside.x),
-        })
+        let in_camera = [right, up, forward].map(|axis| sun.to_sun.dot(axis));
+        let [angle, azimuth] = FlareLight::angle_azimuth(in_camera.into());
+        FlareLight {
+            angle,
+            azimuth,
+            angular_radius: sun.angular_radius,
+            irradiance: sun.irradiance.to_array(),
+            visible_fraction: sun.visible_fraction,
+        }
     }
 }

@@ -25,7 +25,11 @@ pub const ACCUMULATE: ShaderSource = ShaderSource {
 pub const TONEMAP: ShaderSource = ShaderSource {
     name: "camera/tonemap.wgsl",
     constants: CONSTANTS,
-    files: &[file!("fullscreen.wgsl"), file!("camera/tonemap.wgsl")],
+    files: &[
+        file!("fullscreen.wgsl"),
+        file!("lib/tone_curve.wgsl"),
+        file!("camera/tonemap.wgsl"),
+    ],
 };
 
 /// Ghosts.

@@ -81,7 +81,7 @@ impl Renderer {
         self.accumulate.encode(encoder, sample, self.timer.pass(SUM));
     }
 
-    fn encode_image(&self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
+    fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
         self.flare.encode(encoder, self.timer.pass(FLARE));
         let timestamps = self.timer.pass(TONE_MAP);
         self.tone_map

@@ -1,9 +1,9 @@
-//! Ghosts as triangles on the sensor, each corner knowing where its ray crossed the stop and the lens barrel.
+//! Ghosts as triangles on the sensor, each vertex knowing where its ray crossed the stop and the lens barrel.
 //!
 //! - **paraxial**: four entrance points a ghost and wavelength, carried by the matrices (KR 10-1465658; Lee & Eisemann
 //!   2013, section 4): one flare quad. **two rays**: the same from two points.
 //! - **exact**: a grid of rays over the entrance, traced surface by surface (Hullin et al. 2011).
-//! - **blended**: quads where ghosts are nearly linear, grids where they depart from that, traced or out of a table
+//! - **blended**: quads where ghosts are nearly linear, grids where they are not, traced or out of a table
 //!   (KR 10-1658883).
 //!
 //! Energy: a beam of irradiance E on the entrance arrives as E · power · |entrance area / sensor area|. A scene of radiance
@@ -12,15 +12,14 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::blend::{Blend, Fit, fitted, shares};
+use super::blend::{Blend, Fit, fitted, fractions};
 use super::grid::{RayGrid, SEARCH_RAYS};
 use super::linear::{LinearGhost, stop_radius};
-use super::nonlinear::nonlinearity;
+use super::nonlinearity::nonlinearity;
 use super::quad::{Losses, quad, two_rays};
-use super::source::{FlareSource, FlareVertex};
-use super::table::FlareTable;
-use super::tracing::Tracing;
-use super::{Wavelength, spectrum};
+use super::tracing::{Tracing, TracingDevice};
+use super::vertex::{FlareSource, FlareVertex};
+use crate::camera::flare::{FlareTable, Wavelength, spectrum};
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
@@ -53,44 +52,78 @@ pub enum Pattern {
     Nonlinear,
 }
 
-/// What to make.
-#[derive(Clone, Copy)]
-pub struct FlareParameters<'a> {
-    /// The lens.
-    pub lens: &'a Lens,
-    /// The sun in it.
-    pub source: FlareSource,
-    /// How ghosts are made.
+/// How ghosts are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GhostParameters {
+    /// Quads, traced rays, or both.
     pub mode: FlareMode,
+    /// Wavelengths.
+    pub wavelengths: usize,
+    /// Rays along an edge of a traced grid.
+    pub rays: usize,
     /// A single ghost; none for all that cross the stop once.
     pub only: Option<Ghost>,
     /// Which of its images are made.
     pub pattern: Pattern,
-    /// In the blended mode, takes the place of tracing. Baked for the same lens and f-number.
-    pub table: Option<&'a FlareTable>,
     /// How linear and nonlinear ghosts come together in the blended mode.
     pub blend: Blend,
     /// What of its nonlinear ghosts is fitted to the linear ones.
     pub fit: Fit,
+    /// Draw quads over the whole front of the lens, not its effective pupil alone: the same image by more work.
+    pub whole_entrance: bool,
+    /// What traces rays.
+    pub tracing: TracingDevice,
+}
+
+/// What a mesh is made of.
+#[derive(Clone, Copy)]
+pub struct FlareParameters<'a> {
+    /// The lens.
+    pub lens: &'a Lens,
+    /// The light in it.
+    pub source: FlareSource,
+    /// How ghosts are made.
+    pub ghosts: GhostParameters,
+    /// In the blended mode, takes the place of tracing. Baked for the same lens and f-number.
+    pub table: Option<&'a FlareTable>,
     /// Where rays are traced.
     pub tracing: Tracing<'a>,
 }
 
-/// Triangles, three corners each.
+/// Triangles, three vertices each.
 #[derive(Clone, Debug, Default)]
 pub struct FlareMesh {
     /// Ghosts that add up.
     pub added: Vec<FlareVertex>,
     /// What hides those, without light of its own.
-    pub covers: Vec<FlareVertex>,
+    pub masks: Vec<FlareVertex>,
     /// Ghosts that add to what is left.
     pub above: Vec<FlareVertex>,
+}
+
+impl FlareMesh {
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        (self.added.len() + self.masks.len() + self.above.len()) / 3
+    }
+
+    /// Area of all triangles, also beside the film, square millimetres.
+    pub fn area_mm2(&self) -> f64 {
+        let parts = [&self.added, &self.masks, &self.above];
+        let triangles = parts.into_iter().flat_map(|vertices| vertices.chunks_exact(3));
+        triangles.map(triangle_area_mm2).sum()
+    }
+}
+
+fn triangle_area_mm2(triangle: &[FlareVertex]) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(triangle[k].sensor_mm).as_dvec2());
+    0.5 * (b - a).perp_dot(c - a).abs()
 }
 
 /// Rays traced and turned into triangles at a time.
 const RAYS_AT_ONCE: usize = 1 << 18;
 
-/// A ghost and the shares of its linear and its nonlinear image.
+/// A ghost and the fractions of its linear and its nonlinear image.
 struct Part {
     ghost: Ghost,
     linear: f64,
@@ -105,12 +138,14 @@ struct Optics {
 
 /// Triangles of a flare.
 pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuError> {
-    let FlareParameters { lens, source, .. } = *parameters;
+    let FlareParameters {
+        lens, source, ghosts, ..
+    } = *parameters;
     // The sensor stays in the focus of the d line for every colour. So is the iris set.
     let d_line = Paraxial::new(lens, D_LINE_UM, None);
     let gap = d_line.sensor_gap_mm();
     let stop_mm = stop_radius(lens, &d_line, source.f_number);
-    let optics: Vec<Optics> = spectrum(source.wavelengths)
+    let optics: Vec<Optics> = spectrum(ghosts.wavelengths)
         .into_iter()
         .map(|colour| Optics {
             colour,
@@ -127,7 +162,12 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
         .flat_map_iter(|(part, optics)| {
             let tracer = Tracer::new(lens, optics.colour.um, gap);
             let linear = linear_of(part.ghost, &optics.paraxial);
-            let draw = match parameters.mode {
+            let linear = if ghosts.whole_entrance {
+                linear.with_whole_entrance()
+            } else {
+                linear
+            };
+            let draw = match ghosts.mode {
                 FlareMode::TwoRays => two_rays,
                 _ => quad,
             };
@@ -139,7 +179,7 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
         })
         .collect();
 
-    let covering = &optics[optics.len() / 2];
+    let masking = &optics[optics.len() / 2];
     let curved: Vec<&Part> = parts.iter().filter(|part| part.nonlinear > 0.0).collect();
     let grids_of = |jobs: &[(&Part, &Optics)], grids: Vec<Option<RayGrid>>| -> Vec<FlareVertex> {
         jobs.par_iter()
@@ -147,16 +187,16 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
             .flat_map_iter(|((part, optics), grid)| {
                 let linear = linear_of(part.ghost, &optics.paraxial);
                 let triangles = |grid: RayGrid| {
-                    let grid = if parameters.fit == Fit::default() {
+                    let grid = if ghosts.fit == Fit::default() {
                         grid
                     } else {
                         let tracer = Tracer::new(lens, optics.colour.um, gap);
                         match Losses::from_ray(&tracer, &linear, &source, part.ghost) {
-                            Some(losses) => fitted(grid, &linear, &losses, parameters.fit),
+                            Some(losses) => fitted(grid, &linear, &losses, ghosts.fit),
                             None => grid,
                         }
                     };
-                    let opacity = if std::ptr::eq(*optics, covering) {
+                    let opacity = if std::ptr::eq(*optics, masking) {
                         part.nonlinear
                     } else {
                         0.0
@@ -168,13 +208,13 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
             .collect()
     };
     let mut traced = Vec::new();
-    if let (FlareMode::Blended, Some(table)) = (parameters.mode, parameters.table) {
+    if let (FlareMode::Blended, Some(table)) = (ghosts.mode, parameters.table) {
         let evaluated = |&part: &&Part| {
             let evaluated = table.ghost(part.ghost).and_then(|ghost| ghost.at(source.angle));
             let grid = |optics: &Optics| {
                 evaluated
                     .as_ref()
-                    .map(|evaluated| evaluated.grid(optics.colour.um, source.rays))
+                    .map(|evaluated| evaluated.grid(optics.colour.um, ghosts.rays))
             };
             let jobs: Vec<_> = optics.iter().map(|optics| (part, optics)).collect();
             grids_of(&jobs, optics.iter().map(grid).collect())
@@ -187,66 +227,71 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
             ghost: Some(part.ghost),
             wavelength_um: D_LINE_UM,
             angle: source.angle,
-            low: DVec2::splat(-linear.barrel_mm),
-            high: DVec2::splat(linear.barrel_mm),
+            min: DVec2::splat(-linear.barrel_mm),
+            max: DVec2::splat(linear.barrel_mm),
         };
         let searches: Vec<Bundle> = curved.iter().zip(&linears).map(whole).collect();
         let found = parameters.tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
         let mut jobs = Vec::new();
         for ((&part, linear), search) in curved.iter().zip(&linears).zip(&found) {
-            if let Some([low, high]) = search.window(linear) {
+            if let Some([min, max]) = search.window(linear) {
                 jobs.extend(optics.iter().map(|optics| {
                     let bundle = Bundle {
                         ghost: Some(part.ghost),
                         wavelength_um: optics.colour.um,
                         angle: source.angle,
-                        low,
-                        high,
+                        min,
+                        max,
                     };
                     ((part, optics), bundle)
                 }));
             }
         }
-        let at_once = (RAYS_AT_ONCE / source.rays.pow(2).max(1)).max(1);
+        let at_once = (RAYS_AT_ONCE / ghosts.rays.pow(2).max(1)).max(1);
         for jobs in jobs.chunks(at_once) {
             let (jobs, bundles): (Vec<_>, Vec<_>) = jobs.iter().copied().unzip();
-            let grids = parameters.tracing.grids(lens, gap, &bundles, source.rays)?;
+            let grids = parameters.tracing.grids(lens, gap, &bundles, ghosts.rays)?;
             traced.extend(grids_of(&jobs, grids.into_iter().map(Some).collect()));
         }
     }
-    if parameters.mode != FlareMode::Blended || parameters.blend != Blend::Alpha {
+    if ghosts.mode != FlareMode::Blended || ghosts.blend != Blend::Alpha {
         added.extend(traced);
         traced = Vec::new();
     }
-    // One colour covers for all: each would hide the others.
-    let covers = traced
+    // One colour masks for all: each would hide the others.
+    let masks = traced
         .iter()
-        .filter(|corner| corner.opacity > 0.0)
-        .map(|corner| FlareVertex {
+        .filter(|vertex| vertex.opacity > 0.0)
+        .map(|vertex| FlareVertex {
             radiance: [0.0; 3],
-            ..*corner
+            ..*vertex
         })
         .collect();
     Ok(FlareMesh {
         added,
-        covers,
+        masks,
         above: traced,
     })
 }
 
 /// Which images of which ghosts are drawn.
 fn parts(parameters: &FlareParameters<'_>) -> Vec<Part> {
-    let FlareParameters { lens, source, .. } = *parameters;
-    let ghosts = match parameters.only {
+    let FlareParameters {
+        lens,
+        source,
+        ghosts: asked,
+        ..
+    } = *parameters;
+    let ghosts = match asked.only {
         Some(ghost) => vec![ghost],
         None => single_crossing_ghosts(lens),
     };
     ghosts
         .into_par_iter()
         .map(|ghost| {
-            // Beside a table of images, ghosts are shared out as they were when it was drawn.
-            let (mode, blend) = match parameters.pattern {
-                Pattern::Whole => (parameters.mode, parameters.blend),
+            // Beside a table of images, ghosts are divided as they were when it was drawn.
+            let (mode, blend) = match asked.pattern {
+                Pattern::Whole => (asked.mode, asked.blend),
                 _ => (FlareMode::Blended, Blend::Add),
             };
             let [linear, nonlinear] = match (mode, parameters.table) {
@@ -254,19 +299,19 @@ fn parts(parameters: &FlareParameters<'_>) -> Vec<Part> {
                 (FlareMode::Exact, _) => [0.0, 1.0],
                 (FlareMode::Blended, Some(table)) => match table.ghost(ghost) {
                     Some(_) if blend == Blend::Add => [0.0, 1.0],
-                    Some(tabled) => shares(blend, tabled.nonlinearity_error(source.angle)),
+                    Some(tabled) => fractions(blend, tabled.nonlinearity_error(source.angle)),
                     None => [1.0, 0.0],
                 },
                 (FlareMode::Blended, None) => {
                     let nonlinearity_error = nonlinearity(lens, ghost, source.angle, source.f_number);
-                    shares(blend, nonlinearity_error.unwrap_or(f64::INFINITY))
+                    fractions(blend, nonlinearity_error.unwrap_or(f64::INFINITY))
                 }
             };
-            let drawn = |is_drawn: bool, share: f64| if is_drawn { share } else { 0.0 };
+            let drawn = |is_drawn: bool, fraction: f64| if is_drawn { fraction } else { 0.0 };
             Part {
                 ghost,
-                linear: drawn(parameters.pattern != Pattern::Nonlinear, linear),
-                nonlinear: drawn(parameters.pattern != Pattern::Linear, nonlinear),
+                linear: drawn(asked.pattern != Pattern::Nonlinear, linear),
+                nonlinear: drawn(asked.pattern != Pattern::Linear, nonlinear),
             }
         })
         .collect()

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::grid::RayGrid;
 use super::linear::LinearGhost;
-use super::nonlinear::LINEAR_ENOUGH;
+use super::nonlinearity::LINEAR_ENOUGH;
 use super::quad::Losses;
 
 /// The ways to blend.
@@ -13,9 +13,9 @@ pub enum Blend {
     /// Each ghost is drawn one way, and all are added.
     #[default]
     Add,
-    /// Each ghost fades from its linear to its nonlinear image as it departs from linear, so that none changes at once.
+    /// Each ghost fades from its linear to its nonlinear image by its nonlinearity error, so that none changes at once.
     Interpolate,
-    /// Linear images of all, and the nonlinear ones laid over them, as opaque as they depart from linear.
+    /// Linear images of all, and the nonlinear ones blended over them, as opaque as they are nonlinear.
     Alpha,
 }
 
@@ -28,8 +28,8 @@ pub struct Fit {
     pub brightness: bool,
 }
 
-/// Shares of the linear and the nonlinear image of a ghost that departs from linear by `nonlinearity_error` (see `nonlinearity`).
-pub fn shares(blend: Blend, nonlinearity_error: f64) -> [f64; 2] {
+/// Fractions of the linear and the nonlinear image of a ghost with a nonlinearity error.
+pub fn fractions(blend: Blend, nonlinearity_error: f64) -> [f64; 2] {
     let fade = ((nonlinearity_error / LINEAR_ENOUGH - 0.5) / 1.5).clamp(0.0, 1.0);
     let smooth = fade * fade * (3.0 - 2.0 * fade);
     match blend {

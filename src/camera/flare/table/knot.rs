@@ -1,18 +1,18 @@
-//! One ghost at one angle: a coarse grid of rays in two colours, small.
+//! One ghost at one angle, a knot of the table: a coarse grid of rays in two colours, small.
 
 use glam::DVec2;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
-use crate::camera::flare::grid::RayGrid;
+use crate::camera::flare::ghost::grid::RayGrid;
 
-/// Rays along a side of a stored grid, even.
-pub const SIDE: usize = 10;
+/// Rays along an edge of a stored grid, even.
+pub const SIZE: usize = 10;
 /// Rays stored: the half below the beam's plane, as the other half is its mirror image.
-pub const STORED: usize = SIDE * SIDE / 2;
+pub const STORED: usize = SIZE * SIZE / 2;
 /// Wavelengths that are stored, micrometres; others follow by 1 / wavelength², in which glass is nearly linear (Cauchy).
 pub const COLOURS_UM: [f64; 2] = [0.475, 0.650];
-/// Values of a ray: sensor place x, y (mm), place in the stop x, y (mm), relative height, root of the power.
+/// Values of a ray: sensor position x, y (mm), position in the stop x, y (mm), relative height, root of the power.
 pub const VALUES: usize = 6;
 
 /// Of those, the ones that the second colour stores too: its power follows by the curve of colours.
@@ -25,10 +25,10 @@ pub type Values = [f64; VALUES];
 
 /// Grids at one angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Step {
+pub struct Knot {
     /// Radians.
     pub angle: f64,
-    /// Departure from linear there (see `nonlinearity`); large where no light gets through.
+    /// Nonlinearity error there (see `nonlinearity`); large where no light gets through.
     pub nonlinearity_error: f32,
     /// The light; none where none gets through.
     pub light: Option<Light>,
@@ -37,25 +37,25 @@ pub struct Step {
 /// What gets through.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
-    /// Corners of the entrance window, millimetres.
+    /// Least and greatest coordinates of the entrance window, millimetres.
     pub window: [DVec2; 2],
-    /// Middle of the sensor places, along the beam's plane, millimetres.
+    /// Centre of the sensor positions, along the beam's plane, millimetres.
     centre_mm: f64,
-    /// Value after value, all rays' f16 as `planes`; a lost ray is infinitely high. Sensor places count from the centre.
+    /// Value after value, all rays' f16 as `planes`; a lost ray is infinitely high. Sensor positions count from the centre.
     #[serde(with = "serde_bytes")]
     blue: Vec<u8>,
     /// How far the second colour differs, in steps of `red_step`, value after value.
     #[serde(with = "serde_bytes")]
     red: Vec<u8>,
     red_step: [f32; SHIFTED],
-    /// Power of a ray in the ghost's centre at `CURVE_UM`, as shares of its power in the first colour.
+    /// Power of a ray in the ghost's centre at `CURVE_UM`, as fractions of its power in the first colour.
     curve: [f32; CURVE_UM.len()],
 }
 
-/// A step as numbers.
+/// A knot as numbers.
 #[derive(Clone, Debug)]
-pub struct Open {
-    /// Corners of the entrance window, millimetres.
+pub struct Unpacked {
+    /// Least and greatest coordinates of the entrance window, millimetres.
     pub window: [DVec2; 2],
     /// Rays per colour; none where lost.
     pub colours: [Vec<Option<Values>>; 2],
@@ -65,14 +65,14 @@ pub struct Open {
 
 /// Number of the ray that another's bits are told from: the one before it in its row, or the one in the row before.
 fn neighbour(ray: usize) -> Option<usize> {
-    if !ray.is_multiple_of(SIDE) {
+    if !ray.is_multiple_of(SIZE) {
         Some(ray - 1)
     } else {
-        ray.checked_sub(SIDE)
+        ray.checked_sub(SIZE)
     }
 }
 
-/// To 7 binary digits, 0.4 %: enough for all but places on the sensor.
+/// To 7 binary digits, 0.4 %: enough for all but positions on the sensor.
 fn rounded(value: f64) -> f16 {
     f16::from_bits(f16::from_f64(value).to_bits().saturating_add(4) & !7)
 }
@@ -84,8 +84,8 @@ fn planes(bits: &[u16]) -> Vec<u8> {
             .wrapping_sub(neighbour(ray).map_or(0, |other| bits[other]))
             .to_le_bytes()
     });
-    let (low, high): (Vec<u8>, Vec<u8>) = differences.map(|[low, high]| (low, high)).unzip();
-    [low, high].concat()
+    let (low_bytes, high_bytes): (Vec<u8>, Vec<u8>) = differences.map(|[low, high]| (low, high)).unzip();
+    [low_bytes, high_bytes].concat()
 }
 
 /// The bits of `STORED` rays out of `planes`.
@@ -128,9 +128,9 @@ impl Light {
             .map(|(blue, red)| match (blue, red) {
                 (Some(blue), Some(_)) => {
                     let [x, y, stop_x, stop_y, height, root] = *blue;
-                    let places = [x - centre_mm, y].map(f16::from_f64);
+                    let positions = [x - centre_mm, y].map(f16::from_f64);
                     let [stop_x, stop_y, height, root] = [stop_x, stop_y, height, root].map(rounded);
-                    [places[0], places[1], stop_x, stop_y, height, root]
+                    [positions[0], positions[1], stop_x, stop_y, height, root]
                 }
                 _ => [f16::INFINITY; VALUES],
             })
@@ -148,11 +148,11 @@ impl Light {
             })
             .collect();
         let red_step: [f32; SHIFTED] = std::array::from_fn(|k| {
-            let most = differences.iter().map(|ray| ray[k].abs()).fold(0.0, f64::max);
-            (most / 127.0).max(1e-30) as f32
+            let max = differences.iter().map(|ray| ray[k].abs()).fold(0.0, f64::max);
+            (max / 127.0).max(1e-30) as f32
         });
         Self {
-            window: [grids[0].low, grids[0].high],
+            window: [grids[0].min, grids[0].max],
             centre_mm,
             blue: (0..VALUES)
                 .flat_map(|k| planes(&stored.iter().map(|ray| ray[k].to_bits()).collect::<Vec<_>>()))
@@ -162,7 +162,7 @@ impl Light {
                 .map(|(value, k)| (value / f64::from(red_step[k])).round().clamp(-127.0, 127.0) as i8 as u8)
                 .collect(),
             red_step,
-            curve: curve.map(|share| share as f32),
+            curve: curve.map(|fraction| fraction as f32),
         }
     }
 
@@ -176,7 +176,7 @@ impl Light {
         ];
         self.blue.len() == 2 * VALUES * STORED
             && self.red.len() == SHIFTED * STORED
-            && self.curve.iter().all(|share| share.is_finite())
+            && self.curve.iter().all(|fraction| fraction.is_finite())
             && numbers.iter().all(|number| number.is_finite())
             && self.centre_mm.is_finite()
             && self.red_step.iter().all(|step| step.is_finite())
@@ -188,7 +188,7 @@ impl Light {
     }
 
     /// The numbers.
-    pub fn open(&self) -> Open {
+    pub fn unpack(&self) -> Unpacked {
         let bits: Vec<Vec<u16>> = self.blue.chunks_exact(2 * STORED).map(from_planes).collect();
         let blue = |ray: usize, k: usize| {
             let value = f16::from_bits(bits[k][ray]).to_f64();
@@ -209,7 +209,7 @@ impl Light {
                 })
                 .collect()
         };
-        Open {
+        Unpacked {
             window: self.window,
             colours: [rays(&blue), rays(&red)],
             curve: self.curve.map(f64::from),

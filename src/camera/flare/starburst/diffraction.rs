@@ -1,7 +1,7 @@
 //! The starburst: Fraunhofer diffraction of the aperture, by FFT.
 //!
 //! Far-field amplitude is the Fourier transform of the opening (Goodman, *Introduction to Fourier Optics*, section 4.3):
-//! one bin of the transform of a mask that spans `reach` pupil diameters lies at λ N / reach on the sensor, for f-number N. The
+//! one bin of the transform of a mask that spans `extent` pupil diameters lies at λ N / extent on the sensor, for f-number N. The
 //! pattern is the same for every wavelength but for its size, so one transform serves all. Lee & Eisemann 2013, section 4;
 //! Ritschel et al. 2009.
 
@@ -10,64 +10,64 @@ use num_complex::{Complex, Complex32, Complex64};
 use rayon::prelude::*;
 use rustfft::{FftDirection, FftNum, FftPlanner};
 
-use super::{Aperture, Wavelength};
+use crate::camera::flare::{Aperture, Wavelength};
 
 /// The power of the far field of an aperture.
 #[derive(Clone, Debug)]
 pub struct Diffraction {
-    /// Bins along a side, zero frequency in the centre (`side / 2`).
-    pub side: usize,
-    /// Share of all power per bin, rows from -y.
+    /// Bins along an edge, zero frequency in the centre (`size / 2`).
+    pub size: usize,
+    /// Fraction of all power per bin, rows from -y.
     pub power: Vec<f64>,
-    /// Side of the mask in diameters of the pupil.
-    pub reach: f64,
+    /// Size of the mask in diameters of the pupil.
+    pub extent: f64,
 }
 
 /// 2D discrete Fourier transform in place, rows then columns, not scaled.
-pub fn fft_2d<T: FftNum>(side: usize, field: &mut Vec<Complex<T>>) {
-    let fft = FftPlanner::new().plan_fft(side, FftDirection::Forward);
+pub fn fft_2d<T: FftNum>(size: usize, field: &mut Vec<Complex<T>>) {
+    let fft = FftPlanner::new().plan_fft(size, FftDirection::Forward);
     let rows_of = |field: &mut Vec<Complex<T>>| {
-        field.par_chunks_mut(side).for_each(|row| fft.process(row));
-        let turned: Vec<Complex<T>> = (0..side * side)
+        field.par_chunks_mut(size).for_each(|row| fft.process(row));
+        let transposed: Vec<Complex<T>> = (0..size * size)
             .into_par_iter()
-            .map(|k| field[(k % side) * side + k / side])
+            .map(|k| field[(k % size) * size + k / size])
             .collect();
-        *field = turned;
+        *field = transposed;
     };
     rows_of(field);
     rows_of(field);
 }
 
 impl Diffraction {
-    /// Of an aperture on a mask of `side` texels that spans `reach` pupil diameters.
-    pub fn from_aperture(aperture: &Aperture, side: usize, reach: f64) -> Self {
+    /// Of an aperture on a mask of `size` x `size` texels that spans `extent` pupil diameters.
+    pub fn from_aperture(aperture: &Aperture, size: usize, extent: f64) -> Self {
         let mut mask: Vec<f64> = aperture
-            .mask(side as u32, reach)
+            .mask(size as u32, extent)
             .into_iter()
             .map(|texel| f64::from(texel) / 255.0)
             .collect();
-        soil(&mut mask, side, reach, aperture.dirt);
+        soil(&mut mask, size, extent, aperture.dirt);
         let mut field: Vec<Complex32> = mask.iter().map(|&open| Complex32::from(open as f32)).collect();
-        fft_2d(side, &mut field);
+        fft_2d(size, &mut field);
         let power_of = |value: &Complex32| f64::from(value.re).powi(2) + f64::from(value.im).powi(2);
         let total: f64 = field.iter().map(power_of).sum();
-        let half = side / 2;
-        let power = (0..side * side)
+        let half = size / 2;
+        let power = (0..size * size)
             .map(|k| {
-                let (column, row) = ((k % side + half) % side, (k / side + half) % side);
-                power_of(&field[row * side + column]) / total
+                let (column, row) = ((k % size + half) % size, (k / size + half) % size);
+                power_of(&field[row * size + column]) / total
             })
             .collect();
-        Self { side, power, reach }
+        Self { size, power, extent }
     }
 
     /// Distance of neighbouring bins on the sensor, millimetres.
     pub fn bin_mm(&self, wavelength_um: f64, f_number: f64) -> f64 {
-        wavelength_um * 1e-3 * f_number / self.reach
+        wavelength_um * 1e-3 * f_number / self.extent
     }
 
-    /// Spread of a distant disc on the sensor: an image of `pixels` a side over `span_mm` to each side, linear sRGB, in
-    /// shares of the light per square millimetre. `disc_mm` is the radius of the disc's sharp image. Towards the image's
+    /// Spread of a distant disc on the sensor: an image of `pixels` x `pixels` over `span_mm` from its centre, linear sRGB, in
+    /// fractions of the light per square millimetre. `disc_mm` is the radius of the disc's sharp image. Towards the image's
     /// border it fades to nothing, so that no edge shows.
     pub fn spread(
         &self,
@@ -87,10 +87,10 @@ impl Diffraction {
             .map(|channel| {
                 let mut sum = vec![0.0; pixels * pixels];
                 for (colour, points) in colours.iter().zip(&points) {
-                    let share = colour.rgb[channel] / (pixel_mm * pixel_mm);
+                    let fraction = colour.rgb[channel] / (pixel_mm * pixel_mm);
                     sum.iter_mut()
                         .zip(points)
-                        .for_each(|(sum, point)| *sum += share * point);
+                        .for_each(|(sum, point)| *sum += fraction * point);
                 }
                 over_disc(&sum, pixels, disc_mm / pixel_mm)
             })
@@ -111,14 +111,14 @@ impl Diffraction {
         let mut image = vec![0.0; pixels * pixels];
         let half = 0.5 * pixels as f64 - 0.5;
         for (k, &power) in self.power.iter().enumerate() {
-            let bin = DVec2::new((k % self.side) as f64, (k / self.side) as f64) - (self.side / 2) as f64;
+            let bin = DVec2::new((k % self.size) as f64, (k / self.size) as f64) - (self.size / 2) as f64;
             let at = bin * scale + half;
-            let corner = at.floor();
-            if corner.min_element() < 0.0 || corner.max_element() + 1.0 >= pixels as f64 {
+            let floor = at.floor();
+            if floor.min_element() < 0.0 || floor.max_element() + 1.0 >= pixels as f64 {
                 continue;
             }
-            let f = at - corner;
-            let index = corner.y as usize * pixels + corner.x as usize;
+            let f = at - floor;
+            let index = floor.y as usize * pixels + floor.x as usize;
             image[index] += power * (1.0 - f.x) * (1.0 - f.y);
             image[index + 1] += power * f.x * (1.0 - f.y);
             image[index + pixels] += power * (1.0 - f.x) * f.y;
@@ -129,11 +129,11 @@ impl Diffraction {
 }
 
 /// An image of a point made that of a disc of `radius` pixels: convolution, by FFT.
-fn over_disc(image: &[f64], side: usize, radius: f64) -> Vec<f64> {
-    let wrapped = |index: usize| index.min(side - index) as f64;
-    let mut disc: Vec<Complex64> = (0..side * side)
+fn over_disc(image: &[f64], size: usize, radius: f64) -> Vec<f64> {
+    let wrapped = |index: usize| index.min(size - index) as f64;
+    let mut disc: Vec<Complex64> = (0..size * size)
         .map(|k| {
-            let distance = wrapped(k % side).hypot(wrapped(k / side));
+            let distance = wrapped(k % size).hypot(wrapped(k / size));
             Complex64::from((radius - distance + 0.5).clamp(0.0, 1.0))
         })
         .collect();
@@ -141,17 +141,17 @@ fn over_disc(image: &[f64], side: usize, radius: f64) -> Vec<f64> {
     disc[0] = Complex64::from(1.0);
     let total: f64 = disc.iter().map(|value| value.re).sum();
     let mut field: Vec<Complex64> = image.iter().map(|&value| Complex64::from(value)).collect();
-    fft_2d(side, &mut disc);
-    fft_2d(side, &mut field);
+    fft_2d(size, &mut disc);
+    fft_2d(size, &mut field);
     // Back by the transform of the conjugate.
     let mut product: Vec<Complex64> = field.iter().zip(&disc).map(|(a, b)| (a * b).conj()).collect();
-    fft_2d(side, &mut product);
-    let scale = 1.0 / (total * (side * side) as f64);
+    fft_2d(size, &mut product);
+    let scale = 1.0 / (total * (size * size) as f64);
     product.iter().map(|value| value.re * scale).collect()
 }
 
 /// Specks and scratches that hold light back, the same ones every time.
-fn soil(mask: &mut [f64], side: usize, reach: f64, dirt: u32) {
+fn soil(mask: &mut [f64], size: usize, extent: f64, dirt: u32) {
     let mut state = 0x9e37_79b9_u32;
     let mut random = || {
         // xorshift32 (Marsaglia 2003).
@@ -160,7 +160,7 @@ fn soil(mask: &mut [f64], side: usize, reach: f64, dirt: u32) {
         state ^= state << 5;
         f64::from(state) / f64::from(u32::MAX)
     };
-    let texel = 2.0 * reach / side as f64;
+    let texel = 2.0 * extent / size as f64;
     for index in 0..dirt {
         let from = DVec2::new(random(), random()) * 2.0 - 1.0;
         let is_scratch = index % 3 == 0;
@@ -174,18 +174,18 @@ fn soil(mask: &mut [f64], side: usize, reach: f64, dirt: u32) {
         } else {
             0.004 + 0.012 * random()
         };
-        let (low, high) = (from.min(from + along) - radius, from.max(from + along) + radius);
-        let index_of = |place: f64| (((place + reach) / texel).max(0.0) as usize).min(side);
-        for row in index_of(low.y)..index_of(high.y + texel) {
-            for column in index_of(low.x)..index_of(high.x + texel) {
-                let at = DVec2::new(column as f64 + 0.5, row as f64 + 0.5) * texel - reach;
-                let share = if is_scratch {
+        let (min, max) = (from.min(from + along) - radius, from.max(from + along) + radius);
+        let index_of = |position: f64| (((position + extent) / texel).max(0.0) as usize).min(size);
+        for row in index_of(min.y)..index_of(max.y + texel) {
+            for column in index_of(min.x)..index_of(max.x + texel) {
+                let at = DVec2::new(column as f64 + 0.5, row as f64 + 0.5) * texel - extent;
+                let fraction = if is_scratch {
                     ((at - from).dot(along) / along.length_squared()).clamp(0.0, 1.0)
                 } else {
                     0.0
                 };
-                if at.distance(from + share * along) < radius {
-                    mask[row * side + column] *= 0.25;
+                if at.distance(from + fraction * along) < radius {
+                    mask[row * size + column] *= 0.25;
                 }
             }
         }

@@ -12,16 +12,18 @@ pub struct LinearGhost {
     pub a: [f64; 2],
     /// First row of `mf`, likewise on the sensor.
     pub f: [f64; 2],
-    /// Slope of the beam.
+    /// Slope of the beam of light.
     pub slope: DVec2,
     /// Radius of the iris, millimetres.
     pub stop_mm: f64,
     /// Radius of the front, millimetres.
     pub barrel_mm: f64,
-    /// Middle of the part of the entrance that is drawn, and half its sides.
+    /// Centre of the part of the entrance that is drawn, millimetres.
     pub centre: DVec2,
-    /// Half its sides, millimetres.
+    /// Half its size, millimetres.
     pub half: DVec2,
+    /// Centre and half size of its flare quad in the entrance, millimetres.
+    pub quad: [DVec2; 2],
 }
 
 impl LinearGhost {
@@ -35,18 +37,26 @@ impl LinearGhost {
         // The effective pupil, r_e = (±r_a - Ma12 θ) / Ma11: what the stop lets through, seen from the front; of it what
         // the barrel lets in.
         let pupil = -a[1] / a[0] * slope;
-        let reach = DVec2::splat((stop_mm / a[0]).abs());
-        let low = (pupil - reach).max(DVec2::splat(-barrel_mm));
-        let high = (pupil + reach).min(DVec2::splat(barrel_mm));
+        let half_extent = DVec2::splat((stop_mm / a[0]).abs());
+        let min = (pupil - half_extent).max(DVec2::splat(-barrel_mm));
+        let max = (pupil + half_extent).min(DVec2::splat(barrel_mm));
+        let [centre, half] = [0.5 * (min + max), 0.5 * (max - min)];
         Self {
             a,
             f,
             slope,
             stop_mm,
             barrel_mm,
-            centre: 0.5 * (low + high),
-            half: 0.5 * (high - low),
+            centre,
+            half,
+            quad: [centre, half],
         }
+    }
+
+    /// The same with a flare quad over the whole front of the lens.
+    pub fn with_whole_entrance(self) -> Self {
+        let quad = [DVec2::ZERO, DVec2::splat(self.barrel_mm)];
+        Self { quad, ..self }
     }
 
     /// Nothing of the pupil lies within the barrel.
@@ -54,10 +64,10 @@ impl LinearGhost {
         self.half.x <= 0.0 || self.half.y <= 0.0 || !self.half.is_finite()
     }
 
-    /// Place in a grid of `side` points a side over the drawn part.
-    pub fn entrance(&self, column: usize, row: usize, side: usize) -> DVec2 {
-        let share = |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
-        self.centre + self.half * DVec2::new(share(column), share(row))
+    /// Point of a grid of `size` x `size` points over the drawn part.
+    pub fn entrance(&self, column: usize, row: usize, size: usize) -> DVec2 {
+        let fraction = |index: usize| 2.0 * index as f64 / (size - 1) as f64 - 1.0;
+        self.centre + self.half * DVec2::new(fraction(column), fraction(row))
     }
 
     /// On the sensor, millimetres.

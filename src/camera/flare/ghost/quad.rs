@@ -4,16 +4,16 @@
 
 use glam::DVec2;
 
-use super::Wavelength;
 use super::linear::LinearGhost;
-use super::source::{FlareSource, FlareVertex, radiance, turned};
+use super::vertex::{FlareSource, FlareVertex};
+use crate::camera::flare::Wavelength;
 use crate::camera::path::Ghost;
 use crate::camera::trace::{Tracer, beam_direction};
 
-/// Columns and rows of two triangles' corners.
-const CORNERS: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)];
+/// Columns and rows of two triangles' vertices.
+const VERTICES: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)];
 
-/// Share of the way from a quad's centre to its side where a ray still passes the iris.
+/// Fraction of the distance from a quad's centre to its edge where a ray still passes the iris.
 const INNER: f64 = 0.6;
 
 /// The flare quad of a ghost: four entrance points, each carried by the matrices.
@@ -24,31 +24,26 @@ pub fn quad(
     source: &FlareSource,
     ghost: Ghost,
 ) -> Vec<FlareVertex> {
-    let corners = if source.whole_entrance {
-        [DVec2::ZERO, DVec2::splat(linear.barrel_mm)]
-    } else {
-        [linear.centre, linear.half]
-    };
     let Some(losses) = Losses::from_ray(tracer, linear, source, ghost) else {
         return Vec::new();
     };
-    let corner = |column: usize, row: usize| {
-        let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
-        let entry = corners[0] + corners[1] * side;
-        let radiance = radiance(source, colour, losses.power_at(entry), linear.f[0].powi(-2));
+    let vertex = |column: usize, row: usize| {
+        let unit = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
+        let entry = linear.quad[0] + linear.quad[1] * unit;
+        let radiance = source.radiance(colour, losses.power_at(entry), linear.f[0].powi(-2));
         FlareVertex {
-            sensor_mm: turned(linear.sensor(entry), source),
-            stop: turned(linear.stop(entry) / -linear.stop_mm, source),
-            barrel: turned(entry / linear.barrel_mm, source),
+            sensor_mm: source.rotated(linear.sensor(entry)),
+            stop: source.rotated(linear.stop(entry) / -linear.stop_mm),
+            barrel: source.rotated(entry / linear.barrel_mm),
             radiance,
             opacity: 0.0,
         }
     };
-    CORNERS.map(|(column, row)| corner(column, row)).to_vec()
+    VERTICES.map(|(column, row)| vertex(column, row)).to_vec()
 }
 
 /// The same from two entrance points, the ends of the pupil in the plane of the beam: the linear image is similar to the
-/// entrance, so that they tell a square sprite's centre and half its side, on the sensor and in the stop.
+/// entrance, so that they tell a square sprite's centre and half its size, on the sensor and in the stop.
 pub fn two_rays(
     tracer: &Tracer<'_>,
     linear: &LinearGhost,
@@ -59,28 +54,28 @@ pub fn two_rays(
     let Some(losses) = Losses::from_ray(tracer, linear, source, ghost) else {
         return Vec::new();
     };
-    let reach = linear.half.max_element();
-    let ends = [-reach, reach].map(|along| linear.centre + DVec2::new(along, 0.0));
-    let [low, high] = ends.map(|entry| [linear.sensor(entry), linear.stop(entry) / -linear.stop_mm]);
+    let half_extent = linear.half.max_element();
+    let ends = [-half_extent, half_extent].map(|along| linear.centre + DVec2::new(along, 0.0));
+    let [start, end] = ends.map(|entry| [linear.sensor(entry), linear.stop(entry) / -linear.stop_mm]);
     // Brightness by the ratio of the two lengths, squared.
-    let areas = ((2.0 * reach) / (high[0].x - low[0].x)).powi(2);
-    let sprite = |k: usize, side: DVec2| 0.5 * (low[k] + high[k]) + 0.5 * (high[k].x - low[k].x) * side;
-    CORNERS
+    let areas = ((2.0 * half_extent) / (end[0].x - start[0].x)).powi(2);
+    let sprite = |k: usize, unit: DVec2| 0.5 * (start[k] + end[k]) + 0.5 * (end[k].x - start[k].x) * unit;
+    VERTICES
         .map(|(column, row)| {
-            let side = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
-            let entry = linear.centre + reach * side;
+            let unit = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
+            let entry = linear.centre + half_extent * unit;
             FlareVertex {
-                sensor_mm: turned(sprite(0, side), source),
-                stop: turned(sprite(1, side), source),
-                barrel: turned(entry / linear.barrel_mm, source),
-                radiance: radiance(source, colour, losses.power_at(entry), areas),
+                sensor_mm: source.rotated(sprite(0, unit)),
+                stop: source.rotated(sprite(1, unit)),
+                barrel: source.rotated(entry / linear.barrel_mm),
+                radiance: source.radiance(colour, losses.power_at(entry), areas),
                 opacity: 0.0,
             }
         })
         .to_vec()
 }
 
-/// Share of the power that arrives, linear over the entrance.
+/// Fraction of the power that arrives, linear over the entrance.
 pub struct Losses {
     centre: DVec2,
     power: f64,
@@ -120,7 +115,7 @@ impl Losses {
         })
     }
 
-    /// At a place in the entrance, millimetres.
+    /// At a point of the entrance, millimetres.
     pub fn power_at(&self, entry: DVec2) -> f64 {
         self.power + self.slope.dot(entry - self.centre)
     }

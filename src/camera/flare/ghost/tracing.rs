@@ -8,7 +8,17 @@ use crate::camera::rays::{Bundle, RayPass};
 use crate::camera::trace::{Tracer, beam_direction};
 use crate::gpu::{Gpu, GpuError};
 
-/// The place.
+/// Which of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TracingDevice {
+    /// f64, all cores.
+    Cpu,
+    /// f32.
+    #[default]
+    Gpu,
+}
+
+/// It, with what it needs.
 #[derive(Clone, Copy)]
 pub enum Tracing<'a> {
     /// f64, all cores.
@@ -18,22 +28,22 @@ pub enum Tracing<'a> {
 }
 
 impl Tracing<'_> {
-    /// A grid of `side` rays a side for every bundle.
+    /// A grid of `size` x `size` rays for every bundle.
     pub fn grids(
         &self,
         lens: &Lens,
         sensor_gap_mm: f64,
         bundles: &[Bundle],
-        side: usize,
+        size: usize,
     ) -> Result<Vec<RayGrid>, GpuError> {
-        let side = side.max(2);
+        let size = size.max(2);
         Ok(match self {
             Self::Cpu => bundles
                 .par_iter()
                 .map(|bundle| {
                     let tracer = Tracer::new(lens, bundle.wavelength_um, sensor_gap_mm);
-                    let mut grid = RayGrid::new(bundle, side, Vec::with_capacity(side * side));
-                    for k in 0..side * side {
+                    let mut grid = RayGrid::new(bundle, size, Vec::with_capacity(size * size));
+                    for k in 0..size * size {
                         let direction = beam_direction(bundle.angle);
                         let ray = tracer.trace(bundle.ghost, grid.entry(k), direction);
                         grid.rays.push(ray);
@@ -42,10 +52,10 @@ impl Tracing<'_> {
                 })
                 .collect(),
             Self::Gpu(gpu, pass) => pass
-                .trace(gpu, lens, sensor_gap_mm, bundles, side)?
+                .trace(gpu, lens, sensor_gap_mm, bundles, size)?
                 .into_iter()
                 .zip(bundles)
-                .map(|(rays, bundle)| RayGrid::new(bundle, side, rays))
+                .map(|(rays, bundle)| RayGrid::new(bundle, size, rays))
                 .collect(),
         })
     }

@@ -1,0 +1,21 @@
+//! Exposure: the factor from radiance to the values that the tone curve takes.
+
+use super::tone_curve::START_COMPRESSION;
+
+/// Fraction of the lit pixels that may be compressed.
+const COMPRESSED_FRACTION: f64 = 0.005;
+
+/// Factor that brings all but the brightest 0.5 % of the lit pixels below the tone curve's shoulder.
+pub fn auto_exposure(radiance: &[[f32; 3]]) -> f32 {
+    let mut lit: Vec<f32> = radiance
+        .iter()
+        .map(|rgb| rgb.iter().fold(0.0_f32, |brightest, &value| brightest.max(value)))
+        .filter(|&value| value > 0.0)
+        .collect();
+    if lit.is_empty() {
+        return 1.0;
+    }
+    let index = ((lit.len() - 1) as f64 * (1.0 - COMPRESSED_FRACTION)) as usize;
+    let (_, bright, _) = lit.select_nth_unstable_by(index, f32::total_cmp);
+    START_COMPRESSION / bright.max(f32::MIN_POSITIVE)
+}
