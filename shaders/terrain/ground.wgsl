@@ -1,10 +1,11 @@
-// The ground: lattice samples displaced by the DTM ("global vertex displacement", KR 10-0738500).
-// The vertex index is the sample's index; grid and TIN differ in their index buffers alone.
+// The ground: lattice positions displaced by the DTM ("global vertex displacement", KR 10-0738500).
+// The vertex index is the index of a mesh position; grid and TIN differ in their index buffers alone.
 
 struct GroundTile {
     tile: vec2<i32>,
     layer: u32,
-    padding: u32,
+    // Parts that the mesh divides a cell's side into.
+    mesh_parts: u32,
 }
 
 @group(1) @binding(0) var<storage, read> ground_tiles: array<GroundTile>;
@@ -18,14 +19,29 @@ struct GroundVertex {
     @location(2) @interpolate(flat) layer: u32,
 }
 
+// The bilinear surface at a mesh position. Weights 0 and 1 give the sample itself, so that tiles agree on their border.
+fn mesh_height(position: vec2<i32>, parts: i32, layer: u32) -> f32 {
+    let cell = min(position / parts, vec2<i32>(i32(frame.terrain_side) - 2));
+    let f = vec2<f32>(position - cell * parts) / f32(parts);
+    let h00 = textureLoad(heights, cell, layer, 0).x;
+    let h10 = textureLoad(heights, cell + vec2<i32>(1, 0), layer, 0).x;
+    let h01 = textureLoad(heights, cell + vec2<i32>(0, 1), layer, 0).x;
+    let h11 = textureLoad(heights, cell + vec2<i32>(1, 1), layer, 0).x;
+    return (h00 * (1.0 - f.x) + h10 * f.x) * (1.0 - f.y) + (h01 * (1.0 - f.x) + h11 * f.x) * f.y;
+}
+
 @vertex
 fn vs(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> GroundVertex {
     let tile = ground_tiles[instance];
-    let sample = vec2<i32>(i32(index % frame.terrain_side), i32(index / frame.terrain_side));
-    let height = textureLoad(heights, sample, tile.layer, 0).x;
-    let plan = tile_corner(tile.tile) + vec2<f32>(sample) * frame.terrain_step_m;
-    let at = vec3<f32>(plan, height - frame.eye_elevation);
-    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, vec2<f32>(sample), tile.layer);
+    let parts = i32(tile.mesh_parts);
+    let last = (i32(frame.terrain_side) - 1) * parts;
+    let position = vec2<i32>(i32(index) % (last + 1), i32(index) / (last + 1));
+    // The far border is the next tile's near one, rounding included: no gap opens between tiles.
+    let next = position / last;
+    let plan = tile_corner(tile.tile + next) + vec2<f32>(position - next * last) * (frame.terrain_step_m / f32(parts));
+    let at = vec3<f32>(plan, mesh_height(position, parts, tile.layer) - frame.eye_elevation);
+    let place = vec2<f32>(position) / f32(parts);
+    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, place, tile.layer);
 }
 
 struct GroundSurface {

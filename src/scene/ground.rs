@@ -27,8 +27,8 @@ pub struct GroundTile {
     pub tile: [i32; 2],
     /// Layer of the height texture.
     pub layer: u32,
-    /// Keeps the record at 16 bytes.
-    pub padding: u32,
+    /// Parts that the mesh divides a cell's side into.
+    pub mesh_parts: u32,
 }
 
 /// A ground tile to draw.
@@ -100,7 +100,7 @@ pub fn load_ground(
             records.push(GroundTile {
                 tile: [tile.x as i32, tile.y as i32],
                 layer,
-                padding: 0,
+                mesh_parts: terrain.ground.mesh_parts() as u32,
             });
             slots.push(GroundSlot {
                 tile,

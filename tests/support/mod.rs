@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod raycaster;
+pub mod survey;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -97,4 +98,16 @@ pub fn shared_data() -> Option<PathBuf> {
         folder.display()
     );
     None
+}
+
+/// The ray through a pixel's centre of a pinhole image, derived here from the definition of the camera alone.
+pub fn ray(view: &rilievo::space::View, size: [u32; 2], column: u32, row: u32) -> glam::DVec3 {
+    let forward = (view.look - view.eye).normalize();
+    let right = forward.cross(glam::DVec3::Z).normalize();
+    let up = right.cross(forward);
+    let half = (view.fov_y / 2.0).tan();
+    let [width, height] = size.map(f64::from);
+    let x = (f64::from(column) + 0.5) / width * 2.0 - 1.0;
+    let y = 1.0 - (f64::from(row) + 0.5) / height * 2.0;
+    (forward + right * (x * half * width / height) + up * (y * half)).normalize()
 }

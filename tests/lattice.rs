@@ -1,0 +1,253 @@
+//! Ground where it is measured: the lattice of made surveys against the survey's own samples.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::path::Path;
+
+use glam::DVec3;
+use rilievo::city::City;
+use rilievo::output::{PictureRequest, Renderer};
+use rilievo::relief::{Light, ReliefMode};
+use rilievo::scene::TerrainMesh;
+use rilievo::space::View;
+use support::raycaster::{Raycaster, Truth};
+use support::survey::{Raster, import};
+
+/// West and north edge of the made surveys, EPSG:32633.
+const CORNER: [f64; 2] = [300_000.0, 4_800_000.0];
+
+fn raster(pixel_m: f64, size: usize) -> Raster {
+    Raster {
+        epsg: 32633,
+        corner: CORNER,
+        pixel: [pixel_m; 2],
+        size: [size; 2],
+    }
+}
+
+/// A number in -1..1 from two whole ones.
+fn hash(i: i64, j: i64) -> f64 {
+    let mut x =
+        (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (j as u64).wrapping_mul(0x2545_f491_4f6c_dd1d);
+    x = (x ^ (x >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x ^= x >> 29;
+    (x % 20_001) as f64 / 10_000.0 - 1.0
+}
+
+/// A steep town: slopes up to 45 degrees, ridges, and every sample off by up to a twelfth of the spacing.
+fn steep(x: f64, y: f64, spacing: f64) -> f32 {
+    let waves = 90.0 * (x / 240.0).sin() * (y / 310.0).cos() + 30.0 * ((x + 0.7 * y) / 90.0).sin();
+    let ridge = 40.0 * (1.0 - (((x - 0.4 * y) / 260.0).fract() - 0.5).abs() * 2.0);
+    (400.0 + waves + ridge + spacing / 12.0 * hash(x as i64, y as i64)) as f32
+}
+
+fn city(folder: &Path) -> City {
+    City::open(folder).unwrap()
+}
+
+/// Every sample of the city as (column, row from the north, height) of a raster of its own spacing.
+fn samples(city: &City, raster: &Raster) -> Vec<(i64, i64, f32)> {
+    let manifest = city.manifest();
+    let mut samples = Vec::new();
+    for id in manifest.grid.tiles() {
+        let Some(tile) = city.terrain(id).unwrap() else {
+            continue;
+        };
+        let origin = manifest.grid.origin(id);
+        for (k, &height) in tile.ground.heights.iter().enumerate() {
+            let (i, j) = (k % tile.ground.side, k / tile.ground.side);
+            let column =
+                (origin.x + i as f64 * manifest.terrain_step_m - raster.corner[0]) / raster.pixel[0] - 0.5;
+            let row =
+                (raster.corner[1] - origin.y - j as f64 * manifest.terrain_step_m) / raster.pixel[1] - 0.5;
+            assert!((column - column.round()).abs() < 1e-3 && (row - row.round()).abs() < 1e-3);
+            samples.push((column.round() as i64, row.round() as i64, height));
+        }
+    }
+    samples
+}
+
+/// The city's samples are the raster's, to the last bit.
+fn assert_copied(city: &City, raster: &Raster, height: impl Fn(usize, usize) -> f32) {
+    let mut copied = 0;
+    for (column, row, found) in samples(city, raster) {
+        let inside = [column, row]
+            .iter()
+            .zip(raster.size)
+            .all(|(index, count)| (0..count as i64).contains(index));
+        if inside {
+            assert_eq!(
+                found.to_bits(),
+                height(column as usize, row as usize).to_bits(),
+                "{column} {row}"
+            );
+            copied += 1;
+        } else {
+            assert!(found.is_nan());
+        }
+    }
+    assert!(copied > raster.size[0] * raster.size[1] / 2, "{copied}");
+}
+
+#[test]
+fn samples_are_copied_to_the_last_bit() {
+    // Spacing, tile and samples a side; the last is 10 m written with a rounding error.
+    for (pixel_m, tile_m, side) in [
+        (10.0, 510.0, 52),
+        (30.0, 510.0, 18),
+        (90.0, 540.0, 7),
+        (2.0, 512.0, 257),
+        (10.000_000_001, 510.0, 52),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let raster = raster(pixel_m, 120);
+        let path = folder.path().join("dtm.tif");
+        let height =
+            |column: usize, row: usize| steep(column as f64 * pixel_m, row as f64 * pixel_m, pixel_m) / 3.0;
+        raster.write(&path, height, None);
+        let site = [CORNER[0] + 60.0 * pixel_m, CORNER[1] - 60.0 * pixel_m];
+        let (out, _) = import(folder.path(), &[&path], &[site], &["--margin", "20000"]);
+        let city = city(&out);
+        assert_eq!(city.manifest().grid.tile_m, tile_m);
+        assert_eq!(city.manifest().terrain_side, side);
+        assert_copied(&city, &raster, height);
+    }
+}
+
+#[test]
+fn a_mosaic_of_whole_metres_in_several_files_is_copied() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = raster(25.0, 100);
+    let height = |column: usize, row: usize| steep(column as f64 * 25.0, row as f64 * 25.0, 25.0).round();
+    let parts: Vec<_> = [(0, 0), (1, 0), (0, 1), (1, 1)]
+        .into_iter()
+        .map(|(x, y)| {
+            let part = Raster {
+                corner: [CORNER[0] + 1250.0 * x as f64, CORNER[1] - 1250.0 * y as f64],
+                size: [50; 2],
+                ..whole
+            };
+            let path = folder.path().join(format!("dtm_{x}_{y}.tif"));
+            part.write(
+                &path,
+                |column, row| height(column + 50 * x, row + 50 * y) as i16,
+                Some(-32768.0),
+            );
+            path
+        })
+        .collect();
+    let paths: Vec<&Path> = parts.iter().map(|path| path.as_path()).collect();
+    let site = [CORNER[0] + 1200.0, CORNER[1] - 1300.0];
+    let (out, said) = import(folder.path(), &paths, &[site], &["--margin", "20000"]);
+    assert!(!said.contains("whole steps"), "{said}");
+    assert_copied(&city(&out), &whole, height);
+}
+
+#[test]
+fn rectangular_pixels_lie_on_the_lattice_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let raster = Raster {
+        pixel: [10.0, 20.0],
+        size: [150, 75],
+        ..raster(10.0, 0)
+    };
+    let path = folder.path().join("dtm.tif");
+    let height = |column: usize, row: usize| steep(10.0 * column as f64, 20.0 * row as f64, 10.0);
+    raster.write(&path, height, None);
+    let site = [CORNER[0] + 700.0, CORNER[1] - 700.0];
+    let (out, _) = import(folder.path(), &[&path], &[site], &["--margin", "20000"]);
+    let city = city(&out);
+    assert_eq!(city.manifest().terrain_step_m, 10.0);
+    let mut copied = 0;
+    for id in city.manifest().grid.tiles() {
+        let Some(tile) = city.terrain(id).unwrap() else {
+            continue;
+        };
+        let origin = city.manifest().grid.origin(id);
+        for (k, &found) in tile.ground.heights.iter().enumerate() {
+            let x = origin.x + 10.0 * (k % tile.ground.side) as f64;
+            let y = origin.y + 10.0 * (k / tile.ground.side) as f64;
+            let row = (CORNER[1] - y) / 20.0 - 0.5;
+            let column = (x - CORNER[0]) / 10.0 - 0.5;
+            if row.fract() == 0.0 && (0.0..75.0).contains(&row) && (0.0..150.0).contains(&column) {
+                assert_eq!(found, height(column as usize, row as usize));
+                copied += 1;
+            }
+        }
+    }
+    assert!(copied > 8000, "{copied}");
+}
+
+/// The picture of a steep survey is its bilinear surface: 99.5 % of the ground within 0.30 m, from street to sky.
+fn assert_true_ground(terrain: &Path, out: &Path, centre: [f64; 2], extent: f64) {
+    let caster = Raycaster::open(terrain, &out.with_file_name("footprints.geojson"), "height");
+    let renderer = Renderer::open(&city(out), ReliefMode::Exact, TerrainMesh::Tin).unwrap();
+    let ground = |x: f64, y: f64| caster.ground(x, y).unwrap();
+    let [x, y] = centre;
+    for (name, eye, target) in [
+        (
+            "street",
+            [x, y, ground(x, y) + 1.7],
+            [x + 40.0, y + 25.0, ground(x + 40.0, y + 25.0) + 1.7],
+        ),
+        (
+            "oblique",
+            [x - 0.5 * extent, y - 0.4 * extent, ground(x, y) + 0.3 * extent],
+            [x, y, ground(x, y)],
+        ),
+        (
+            "high",
+            [x - 0.3 * extent, y - 0.3 * extent, ground(x, y) + extent],
+            [x, y, ground(x, y)],
+        ),
+    ] {
+        let view = View {
+            eye: DVec3::from_array(eye),
+            look: DVec3::from_array(target),
+            fov_y: 60_f64.to_radians(),
+        };
+        let size = [192, 108];
+        let picture = renderer
+            .picture(&PictureRequest {
+                view,
+                size,
+                light: Light { to_sun: DVec3::Z },
+                mode: ReliefMode::Exact,
+                samples: 1,
+            })
+            .unwrap();
+        let (mut grounds, mut right) = (0, 0);
+        for k in 0..size[0] * size[1] {
+            let ray = support::ray(&view, size, k % size[0], k / size[0]);
+            if !matches!(caster.cast(eye, ray.to_array()), Truth::Ground { .. }) {
+                continue;
+            }
+            let at = view.eye + ray * f64::from(picture.depth[k as usize]);
+            grounds += 1;
+            let error = caster.ground(at.x, at.y).map(|ground| (at.z - ground).abs());
+            right += u32::from(picture.ids[k as usize] == 0 && error.is_some_and(|error| error <= 0.30));
+        }
+        let fraction = f64::from(right) / f64::from(grounds);
+        println!("{name}: {fraction:.5} of {grounds}");
+        assert!(grounds > 3000, "{name}: only {grounds} pixels show ground");
+        assert!(fraction >= 0.995, "{name}: {fraction}");
+    }
+}
+
+#[test]
+fn the_picture_of_steep_coarse_surveys_is_true() {
+    for pixel_m in [10.0, 30.0, 90.0] {
+        println!("{pixel_m} m");
+        let folder = tempfile::tempdir().unwrap();
+        let raster = raster(pixel_m, (2400.0 / pixel_m) as usize);
+        let path = folder.path().join("dtm.tif");
+        let height =
+            |column: usize, row: usize| steep(column as f64 * pixel_m, row as f64 * pixel_m, pixel_m);
+        raster.write(&path, height, None);
+        let centre = [CORNER[0] + 1211.0, CORNER[1] - 1207.0];
+        let site = [centre[0] - 30.0, centre[1] - 60.0];
+        let (out, _) = import(folder.path(), &[&path], &[site], &["--margin", "20000"]);
+        assert_true_ground(&path, &out, centre, 1400.0);
+    }
+}
