@@ -251,3 +251,109 @@ fn the_picture_of_steep_coarse_surveys_is_true() {
         assert_true_ground(&path, &out, centre, 1400.0);
     }
 }
+
+/// Pixels of one arc second, from a corner on the globe.
+const SECONDS: Raster = Raster {
+    epsg: 4326,
+    corner: [12.5, 43.3],
+    pixel: [1.0 / 3600.0; 2],
+    size: [160; 2],
+};
+
+/// Imports a raster in degrees into UTM; the city and the fraction of its ground within 0.30 m of the raster's surface.
+fn in_degrees(folder: &Path, height: impl Fn(usize, usize) -> f32) -> (City, f64) {
+    let path = folder.join("dtm.tif");
+    SECONDS.write(&path, &height, None);
+    let reference = |epsg: u32| {
+        let mut reference = gdal::spatial_ref::SpatialRef::from_epsg(epsg).unwrap();
+        reference.set_axis_mapping_strategy(gdal::spatial_ref::AxisMappingStrategy::TraditionalGisOrder);
+        reference
+    };
+    let transform = |from: u32, to: u32| {
+        gdal::spatial_ref::CoordTransform::new(&reference(from), &reference(to)).unwrap()
+    };
+    let (mut x, mut y) = ([12.5 + 80.0 / 3600.0], [43.3 - 80.0 / 3600.0]);
+    transform(4326, 32633)
+        .transform_coords(&mut x, &mut y, &mut [0.0])
+        .unwrap();
+    let (out, _) = import(folder, &[&path], &[[x[0], y[0]]], &["--margin", "1500"]);
+    let city = city(&out);
+    let to_degrees = transform(32633, 4326);
+    let (mut right, mut count) = (0.0, 0.0);
+    for id in city.manifest().grid.tiles() {
+        let tile = city.terrain(id).unwrap().unwrap().ground;
+        let origin = city.manifest().grid.origin(id);
+        for k in 0..1600 {
+            let at = [(k % 40) as f64 * 12.7 + 3.1, (k / 40) as f64 * 12.7 + 1.7];
+            let (mut x, mut y) = ([origin.x + at[0]], [origin.y + at[1]]);
+            to_degrees.transform_coords(&mut x, &mut y, &mut [0.0]).unwrap();
+            let (u, v) = ((x[0] - 12.5) * 3600.0 - 0.5, (43.3 - y[0]) * 3600.0 - 0.5);
+            let (i, j) = (u as usize, v as usize);
+            let (fu, fv) = (u - i as f64, v - j as f64);
+            let h = |di: usize, dj: usize| f64::from(height(i + di, j + dj));
+            let truth = (h(0, 0) * (1.0 - fu) + h(1, 0) * fu) * (1.0 - fv)
+                + (h(0, 1) * (1.0 - fu) + h(1, 1) * fu) * fv;
+            count += 1.0;
+            right += f64::from(u8::from(
+                (tile.ground(at[0], at[1]).unwrap() - truth).abs() <= 0.30,
+            ));
+        }
+    }
+    (city, right / count)
+}
+
+#[test]
+fn a_source_in_degrees_gets_the_coarsest_spacing_that_follows_it() {
+    let gentle =
+        |column: usize, row: usize| (200.0 + 3.0 * (column as f64 / 25.0).sin() + 0.2 * row as f64) as f32;
+    let rough = |column: usize, row: usize| steep(30.0 * column as f64, 30.0 * row as f64, 30.0);
+    let folder = tempfile::tempdir().unwrap();
+    let (city, fraction) = in_degrees(folder.path(), gentle);
+    println!("gentle: {} m, {fraction:.5}", city.manifest().terrain_step_m);
+    assert_eq!(city.manifest().grid.tile_m, 512.0);
+    assert!(fraction >= 0.995 && city.manifest().terrain_step_m >= 16.0);
+    let folder = tempfile::tempdir().unwrap();
+    let (city, fraction) = in_degrees(folder.path(), rough);
+    println!("steep: {} m, {fraction:.5}", city.manifest().terrain_step_m);
+    assert_eq!(city.manifest().grid.tile_m, 512.0);
+    assert!(fraction >= 0.995, "{fraction}");
+    assert!((2.0..=4.0).contains(&city.manifest().terrain_step_m));
+}
+
+#[test]
+fn holes_in_a_coarse_survey_are_filled_or_left() {
+    for (fill, filled) in [("95", true), ("50", false)] {
+        let folder = tempfile::tempdir().unwrap();
+        let raster = raster(90.0, 40);
+        let path = folder.path().join("dtm.tif");
+        let plane = |column: usize, row: usize| 300.0 + 9.0 * column as f32 - 4.0 * row as f32;
+        let hole = |column: usize, row: usize| {
+            (column, row) == (20, 20) || (10..14).contains(&column) && (30..34).contains(&row)
+        };
+        raster.write(
+            &path,
+            |column, row| {
+                if hole(column, row) {
+                    -32768.0
+                } else {
+                    plane(column, row)
+                }
+            },
+            Some(-32768.0),
+        );
+        let site = [CORNER[0] + 1000.0, CORNER[1] - 1000.0];
+        let (out, _) = import(
+            folder.path(),
+            &[&path],
+            &[site],
+            &["--margin", "20000", "--fill", fill],
+        );
+        for (column, row, height) in samples(&city(&out), &raster) {
+            if (column, row) == (20, 20) {
+                assert_eq!(height.is_finite(), filled, "{height}");
+                assert!(!filled || (height - plane(20, 20)).abs() < 1e-3);
+            }
+            assert!((column, row) != (11, 31) || height.is_nan());
+        }
+    }
+}

@@ -15,6 +15,8 @@ pub struct Plan {
     pub terrain_side: usize,
     /// Distance between samples, metres.
     pub terrain_step_m: f64,
+    /// What heights are rounded to, metres: interpolated ones need not be stored to the last bit.
+    pub rounding_m: Option<f32>,
     /// Longest run of missing samples that is filled.
     pub fill_samples: usize,
 }
@@ -88,9 +90,15 @@ impl Plan {
             grid: spacing.grid,
             terrain_side: spacing.intervals + 1,
             terrain_step_m: spacing.step_m,
+            rounding_m: lattice.is_none().then(|| rounding(spacing.step_m)),
             fill_samples: (hole_m / spacing.step_m + 1e-6) as usize,
         })
     }
+}
+
+/// A power of two that changes slopes by less than 0.2 %: 8 mm for samples 4 m apart. Zeros in the last bits halve the files.
+fn rounding(step_m: f64) -> f32 {
+    (step_m / 512.0).log2().floor().exp2() as f32
 }
 
 fn outline_bounds(footprint: &Footprint) -> Bounds {

@@ -174,9 +174,8 @@ impl MosaicSampler {
         let halo = smoothing.halo();
         let wide_low = low.map(|pixel| pixel.saturating_sub(halo));
         let wide_high = [0, 1].map(|axis| (high[axis] + halo).min(self.mosaic.size[axis]));
-        let mut wide = self.read_stored(wide_low, wide_high)?;
-        smoothing.smooth(&mut wide);
-        Ok(wide.part(low, high))
+        let wide = self.read_stored(wide_low, wide_high)?;
+        Ok(smoothing.smooth(&wide, low, high))
     }
 
     fn read_stored(&self, low: [usize; 2], high: [usize; 2]) -> Result<Window, SourceError> {

@@ -45,41 +45,48 @@ impl Smoothing {
         }
     }
 
-    /// Pixels around a window that its heights depend on.
+    /// Pixels around a block that its heights depend on.
     pub fn halo(&self) -> usize {
-        (SWEEPS + 1) * ((2 << self.levels) - 1) + (LEVEL_BLOCKS + SHORE_BLOCKS + 1) * self.block
+        reach(self.levels) + (LEVEL_BLOCKS + SHORE_BLOCKS + 1) * self.block
     }
 
-    /// Smooths a window; right where it is farther than `halo` from the window's border, or that is the raster's own.
-    pub fn smooth(&self, window: &mut Window) {
-        let stored = &window.heights;
+    /// Smooths the block from `low` to `high`, pixels of the raster, of a window that holds `halo` pixels around it or ends
+    /// where the raster does.
+    pub fn smooth(&self, window: &Window, low: [usize; 2], high: [usize; 2]) -> Window {
         let fixed = self.fixed(window);
-        let mut grid = Grid::new(window, self.levels);
-        for k in 0..grid.size[0] * grid.size[1] {
-            grid.heights[k] = stored[grid.pixel(k)];
-        }
+        let half = 0.5 * self.step_m as f32;
+        let mut coarser: Option<Grid> = None;
         for level in (0..=self.levels).rev() {
-            if level < self.levels {
-                grid = grid.finer(window);
-            }
-            let bounds: Vec<[f32; 2]> = (0..grid.heights.len())
-                .map(|k| {
-                    let pixel = grid.pixel(k);
-                    let half = if fixed[pixel] {
-                        0.0
-                    } else {
-                        0.5 * self.step_m as f32
-                    };
-                    [stored[pixel] - half, stored[pixel] + half]
+            let low = low.map(|pixel| pixel.saturating_sub(reach(level)));
+            let mut grid = Grid::new(window, [low, high.map(|pixel| pixel + reach(level))], level);
+            let bounds: Vec<[f32; 2]> = grid
+                .pixels()
+                .map(|pixel| {
+                    let half = if fixed[pixel] { 0.0 } else { half };
+                    [window.heights[pixel] - half, window.heights[pixel] + half]
                 })
                 .collect();
+            if let Some(coarser) = &coarser {
+                grid.take(coarser);
+            }
             grid.hold(&bounds);
             for _ in 0..SWEEPS {
                 grid.sweep();
                 grid.hold(&bounds);
             }
+            coarser = Some(grid);
         }
-        window.heights = grid.heights;
+        let size = [high[0] - low[0], high[1] - low[1]];
+        let heights = coarser.map_or_else(Vec::new, |grid| {
+            let start = |row: usize| (low[1] + row - grid.first[1]) * grid.size[0] + low[0] - grid.first[0];
+            let rows = (0..size[1]).map(|row| &grid.heights[start(row)..start(row) + size[0]]);
+            rows.flatten().copied().collect()
+        });
+        Window {
+            first: low,
+            size,
+            heights,
+        }
     }
 
     /// Pixels that stay: finer heights than the step, and level water (level all around, and nothing lower near).
@@ -91,18 +98,21 @@ impl Smoothing {
             .map(|&h| !is_multiple(h, self.step_m))
             .collect();
         let first = window.first.map(|pixel| pixel / self.block);
-        let blocks =
-            [0, 1].map(|axis| (window.first[axis] + window.size[axis]).div_ceil(self.block) - first[axis]);
-        let block_of = |k: usize| {
-            let column = (window.first[0] + k % width) / self.block - first[0];
-            (column, (window.first[1] + k / width) / self.block - first[1])
-        };
+        let block = [0, 1].map(|axis| {
+            let numbers = 0..window.size[axis];
+            let block = numbers.map(|k| (window.first[axis] + k) / self.block - first[axis]);
+            block.collect::<Vec<usize>>()
+        });
+        let blocks = [0, 1].map(|axis| block[axis].last().map_or(0, |last| last + 1));
         let mut ranges = vec![[f32::INFINITY, f32::NEG_INFINITY]; blocks[0] * blocks[1]];
-        for k in (0..width * height).filter(|&k| window.heights[k].is_finite()) {
-            let (column, row) = block_of(k);
-            let [min, max] = &mut ranges[row * blocks[0] + column];
-            *min = min.min(window.heights[k]);
-            *max = max.max(window.heights[k]);
+        for row in 0..height {
+            for column in 0..width {
+                let at = window.heights[row * width + column];
+                if at.is_finite() {
+                    let [min, max] = &mut ranges[block[1][row] * blocks[0] + block[0][column]];
+                    (*min, *max) = (min.min(at), max.max(at));
+                }
+            }
         }
         let near = |column: usize, row: usize, around: usize| {
             let columns = column.saturating_sub(around)..(column + around + 1).min(blocks[0]);
@@ -121,15 +131,21 @@ impl Smoothing {
                 }
             }
         }
-        for (k, fixed) in fixed.iter_mut().enumerate() {
-            let (column, row) = block_of(k);
-            *fixed |= water[row * blocks[0] + column];
+        for row in 0..height {
+            for column in 0..width {
+                fixed[row * width + column] |= water[block[1][row] * blocks[0] + block[0][column]];
+            }
         }
         fixed
     }
 }
 
-/// Every 2^level-th pixel of a window, counted from the raster's corner.
+/// Pixels of a spacing that a block's heights depend on, through it and all finer ones.
+fn reach(level: usize) -> usize {
+    (SWEEPS + 1) * ((2 << level) - 1)
+}
+
+/// Every 2^level-th pixel of a block, counted from the raster's corner.
 struct Grid {
     level: usize,
     /// Number of the first node, in nodes from the raster's corner.
@@ -142,35 +158,38 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(window: &Window, level: usize) -> Self {
+    /// The nodes of a block of pixels, cut to the window; without heights.
+    fn new(window: &Window, [low, high]: [[usize; 2]; 2], level: usize) -> Self {
         let stride = 1 << level;
-        let first = window.first.map(|pixel| pixel.div_ceil(stride));
+        let first = [0, 1].map(|axis| low[axis].max(window.first[axis]).div_ceil(stride));
         let size = [0, 1].map(|axis| {
-            let end = (window.first[axis] + window.size[axis]).div_ceil(stride);
-            end.saturating_sub(first[axis])
+            let end = high[axis].min(window.first[axis] + window.size[axis]);
+            end.div_ceil(stride).saturating_sub(first[axis])
         });
         Self {
             level,
             first,
             size,
-            pixel_first: [0, 1].map(|axis| first[axis] * stride - window.first[axis]),
+            pixel_first: [0, 1].map(|axis| (first[axis] << level) - window.first[axis]),
             width: window.size[0],
             heights: vec![f32::NAN; size[0] * size[1]],
         }
     }
 
-    /// Index in the window of a node's pixel.
-    fn pixel(&self, node: usize) -> usize {
-        let (i, j) = (node % self.size[0], node / self.size[0]);
-        ((self.pixel_first[1] + (j << self.level)) * self.width) + self.pixel_first[0] + (i << self.level)
+    /// Indices in the window of the nodes' pixels.
+    fn pixels(&self) -> impl Iterator<Item = usize> {
+        let [columns, rows] = self.size;
+        (0..rows).flat_map(move |j| {
+            let start = (self.pixel_first[1] + (j << self.level)) * self.width + self.pixel_first[0];
+            (0..columns).map(move |i| start + (i << self.level))
+        })
     }
 
-    /// The same surface at half the spacing, missing where no node is near.
-    fn finer(&self, window: &Window) -> Self {
-        let mut finer = Self::new(window, self.level - 1);
-        for j in 0..finer.size[1] {
-            for i in 0..finer.size[0] {
-                let at = [finer.first[0] + i, finer.first[1] + j];
+    /// Takes the surface of twice the spacing: linear between nodes, missing where none is near.
+    fn take(&mut self, coarser: &Self) {
+        for j in 0..self.size[1] {
+            for i in 0..self.size[0] {
+                let at = [self.first[0] + i, self.first[1] + j];
                 let (mut sum, mut count) = (0.0, 0.0);
                 for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                     // An odd number lies between two nodes, an even one on one.
@@ -178,19 +197,18 @@ impl Grid {
                         continue;
                     }
                     let node = [at[0] / 2 + di, at[1] / 2 + dj];
-                    let here = [0, 1].map(|axis| node[axis].wrapping_sub(self.first[axis]));
-                    if here[0] < self.size[0] && here[1] < self.size[1] {
-                        let height = self.heights[here[1] * self.size[0] + here[0]];
+                    let here = [0, 1].map(|axis| node[axis].wrapping_sub(coarser.first[axis]));
+                    if here[0] < coarser.size[0] && here[1] < coarser.size[1] {
+                        let height = coarser.heights[here[1] * coarser.size[0] + here[0]];
                         if height.is_finite() {
                             sum += height;
                             count += 1.0;
                         }
                     }
                 }
-                finer.heights[j * finer.size[0] + i] = sum / count;
+                self.heights[j * self.size[0] + i] = sum / count;
             }
         }
-        finer
     }
 
     /// Into the bounds; a node without a height takes their centre, one without bounds is missing.
@@ -249,12 +267,11 @@ mod tests {
     #[test]
     fn a_plane_in_whole_metres_becomes_the_plane_again() {
         let plane = |x: f64, y: f64| 100.0 + 0.03 * x + 0.011 * y;
-        let mut smoothed = window([3, 5], [1400, 1300], |x, y| plane(x, y).round());
-        let stored = smoothed.heights.clone();
-        Smoothing::new(1.0, 1.0).smooth(&mut smoothed);
+        let stored = window([3, 5], [1400, 1300], |x, y| plane(x, y).round());
+        let smoothed = Smoothing::new(1.0, 1.0).smooth(&stored, [3, 5], [1403, 1305]);
         let (mut sum, mut count) = (0.0, 0.0);
         for (k, &height) in smoothed.heights.iter().enumerate() {
-            assert!((height - stored[k]).abs() <= 0.5001);
+            assert!((height - stored.heights[k]).abs() <= 0.5001);
             let (x, y) = (k % 1400, k / 1400);
             if (450..950).contains(&x) && (450..850).contains(&y) {
                 sum += (f64::from(height) - plane((x + 3) as f64, (y + 5) as f64)).powi(2);
@@ -272,9 +289,8 @@ mod tests {
         let smoothing = Smoothing::new(1.0, 2.0);
         let halo = smoothing.halo();
         let part = |first: [usize; 2]| {
-            let mut part = window(first, [2 * halo + 40; 2], ground);
-            smoothing.smooth(&mut part);
-            part
+            let stored = window(first, [2 * halo + 40; 2], ground);
+            smoothing.smooth(&stored, first.map(|k| k + halo), first.map(|k| k + halo + 40))
         };
         let (a, b) = (part([100, 200]), part([113, 207]));
         for y in 0..30 {
@@ -292,10 +308,10 @@ mod tests {
     fn a_lake_and_finer_heights_stay() {
         let ground =
             |x: f64, y: f64| (50.0 + (0.1 * ((x - 700.0).hypot(y - 700.0) - 150.0)).max(0.0)).round();
-        let mut smoothed = window([0, 0], [1400; 2], ground);
-        smoothed.heights[700 * 1400 + 300] += 0.3;
-        let fine = smoothed.heights[700 * 1400 + 300];
-        Smoothing::new(1.0, 1.0).smooth(&mut smoothed);
+        let mut stored = window([0, 0], [1400; 2], ground);
+        let fine = stored.heights[700 * 1400 + 300] + 0.3;
+        stored.heights[700 * 1400 + 300] = fine;
+        let smoothed = Smoothing::new(1.0, 1.0).smooth(&stored, [0, 0], [1400; 2]);
         assert_eq!(smoothed.heights[700 * 1400 + 300], fine);
         for (k, &height) in smoothed.heights.iter().enumerate() {
             let (x, y) = ((k % 1400) as f64, (k / 1400) as f64);

@@ -11,18 +11,6 @@ pub struct Window {
 }
 
 impl Window {
-    /// A block of it, `low` to `high` in pixels of the raster.
-    pub fn part(&self, low: [usize; 2], high: [usize; 2]) -> Self {
-        let size = [0, 1].map(|axis| high[axis] - low[axis]);
-        let start = |row: usize| (low[1] - self.first[1] + row) * self.size[0] + low[0] - self.first[0];
-        let rows = (0..size[1]).map(|row| &self.heights[start(row)..start(row) + size[0]]);
-        Self {
-            first: low,
-            size,
-            heights: rows.flatten().copied().collect(),
-        }
-    }
-
     /// Height at fractional pixel coordinates of the raster (0.5, 0.5 = centre of its first pixel):
     /// bilinear between the four pixel centres around it, NaN when one of those that count is missing. In the
     /// outermost half pixel, which the raster covers but no four centres surround, the nearest edge counts.
