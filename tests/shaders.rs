@@ -107,7 +107,7 @@ fn records_are_laid_out_alike_on_both_sides() {
     same_layout!(
         "GroundTile",
         GroundRecord,
-        ["tile" = tile, "layer" = layer, "padding" = padding]
+        ["tile" = tile, "layer" = layer, "mesh_parts" = mesh_parts]
     );
     same_layout!(
         "Interface",

@@ -13,17 +13,10 @@ use rilievo::output::{Renderer, Still};
 use rilievo::relief::ReliefMode;
 use rilievo::scene::TerrainMesh;
 use rilievo::space::Sun;
+use support::View;
 use support::raycaster::{Raycaster, Truth};
 
 const SIZE: [u32; 2] = [192, 108];
-
-/// A pinhole, by its definition.
-#[derive(Clone, Copy)]
-struct View {
-    eye: DVec3,
-    target: DVec3,
-    fov_y: f64,
-}
 
 fn view(eye: [f64; 3], target: [f64; 3]) -> View {
     View {
@@ -34,7 +27,7 @@ fn view(eye: [f64; 3], target: [f64; 3]) -> View {
 }
 
 fn draw(renderer: &mut Renderer, view: View, mode: ReliefMode) -> Still {
-    let camera = support::pinhole(view.eye.to_array(), view.target.to_array(), view.fov_y);
+    let camera = view.camera();
     let sun = Sun::from_direction(DVec3::new(-0.5, -0.5, 0.7).normalize());
     let request = rilievo::output::FrameRequest {
         mode,
@@ -59,22 +52,16 @@ fn caster() -> Raycaster {
     )
 }
 
-/// Rays of a pinhole, derived here from the definition of the camera alone.
-fn ray(view: &View, column: u32, row: u32) -> DVec3 {
-    let forward = (view.target - view.eye).normalize();
-    let right = forward.cross(DVec3::Z).normalize();
-    let up = right.cross(forward);
-    let half = (view.fov_y / 2.0).tan();
-    let x = (f64::from(column) + 0.5) / f64::from(SIZE[0]) * 2.0 - 1.0;
-    let y = 1.0 - (f64::from(row) + 0.5) / f64::from(SIZE[1]) * 2.0;
-    (forward + right * (x * half * f64::from(SIZE[0]) / f64::from(SIZE[1])) + up * (y * half)).normalize()
-}
-
 /// What must hold (the project's accuracy promise).
 fn check(name: &str, caster: &Raycaster, view: View, picture: &Still) {
     let [width, height] = SIZE;
     let truth: Vec<Truth> = (0..width * height)
-        .map(|k| caster.cast(view.eye.to_array(), ray(&view, k % width, k / width).to_array()))
+        .map(|k| {
+            caster.cast(
+                view.eye.to_array(),
+                support::ray(&view, SIZE, k % width, k / width).to_array(),
+            )
+        })
         .collect();
     let class = |k: usize| match truth[k] {
         Truth::Sky => -1_i64,
@@ -99,7 +86,7 @@ fn check(name: &str, caster: &Raycaster, view: View, picture: &Still) {
             }
             Truth::Ground { .. } => {
                 grounds += 1;
-                let at = view.eye + ray(&view, column, row) * t;
+                let at = view.eye + support::ray(&view, SIZE, column, row) * t;
                 let error = caster.ground(at.x, at.y).map(|ground| (at.z - ground).abs());
                 let right = id == 0 && error.is_some_and(|error| error <= 0.30);
                 right_grounds += u32::from(right);

@@ -3,7 +3,8 @@
 struct GroundTile {
     tile: vec2<i32>,
     layer: u32,
-    padding: u32,
+    // Parts that the mesh divides a cell's side into.
+    mesh_parts: u32,
 }
 
 @group(1) @binding(7) var<storage, read> ground_tiles: array<GroundTile>;

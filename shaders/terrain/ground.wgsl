@@ -1,5 +1,5 @@
-// The ground: lattice samples displaced by the DTM ("global vertex displacement", KR 10-0738500).
-// The vertex index is the sample's index; grid and TIN differ in their index buffers alone.
+// The ground: lattice positions displaced by the DTM ("global vertex displacement", KR 10-0738500).
+// The vertex index is the index of a mesh position; grid and TIN differ in their index buffers alone.
 
 struct GroundVertex {
     @builtin(position) clip: vec4<f32>,
@@ -9,14 +9,26 @@ struct GroundVertex {
     @location(2) @interpolate(flat) layer: u32,
 }
 
+// The bilinear surface at a mesh position. Weights 0 and 1 give the sample itself, so that tiles agree on their border.
+fn mesh_height(position: vec2<i32>, parts: i32, layer: u32) -> f32 {
+    let cell = min(position / parts, vec2<i32>(i32(frame.terrain_side) - 2));
+    let f = vec2<f32>(position - cell * parts) / f32(parts);
+    let h = cell_heights(cell, layer);
+    return (h.x * (1.0 - f.x) + h.y * f.x) * (1.0 - f.y) + (h.z * (1.0 - f.x) + h.w * f.x) * f.y;
+}
+
 @vertex
 fn vs(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> GroundVertex {
     let tile = ground_tiles[instance];
-    let sample = vec2<i32>(i32(index % frame.terrain_side), i32(index / frame.terrain_side));
-    let height = textureLoad(heights, sample, tile.layer, 0).x;
-    let plan = tile_corner(tile.tile) + vec2<f32>(sample) * frame.terrain_step_m;
-    let at = vec3<f32>(plan, height - frame.eye_elevation);
-    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, vec2<f32>(sample), tile.layer);
+    let parts = i32(tile.mesh_parts);
+    let last = (i32(frame.terrain_side) - 1) * parts;
+    let position = vec2<i32>(i32(index) % (last + 1), i32(index) / (last + 1));
+    // The far border is the next tile's near one, rounding included: no gap opens between tiles.
+    let next = position / last;
+    let plan = tile_corner(tile.tile + next) + vec2<f32>(position - next * last) * (frame.terrain_step_m / f32(parts));
+    let at = vec3<f32>(plan, mesh_height(position, parts, tile.layer) - frame.eye_elevation);
+    let in_samples = vec2<f32>(position) / f32(parts);
+    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, in_samples, tile.layer);
 }
 
 struct GroundSurface {

@@ -52,6 +52,10 @@ pub struct ImportArgs {
     /// Metres per vertical unit of the terrain, 0.3048 for feet [default: what the files say].
     #[arg(long)]
     terrain_unit: Option<f64>,
+    /// Keep terraces where the terrain's heights are stored in whole metres or other steps, instead of smoothing
+    /// them within half a step.
+    #[arg(long)]
+    keep_steps: bool,
     /// Bound on the terrain mesh's vertical error, metres.
     #[arg(long, default_value_t = 0.25)]
     terrain_error: f64,
@@ -92,6 +96,7 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         buildings_crs: args.buildings_crs,
         imagery_crs: args.imagery_crs,
         terrain_unit_m: args.terrain_unit,
+        keep_steps: args.keep_steps,
         terrain_error_m: args.terrain_error,
         fill_m: args.fill,
         margin_m: args.margin,

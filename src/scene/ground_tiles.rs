@@ -25,8 +25,8 @@ pub struct GroundRecord {
     pub tile: [i32; 2],
     /// Layer of the height texture.
     pub layer: u32,
-    /// Keeps the record at 16 bytes.
-    pub padding: u32,
+    /// Parts that the mesh divides a cell's side into.
+    pub mesh_parts: u32,
 }
 
 /// A ground tile to draw.
@@ -61,7 +61,7 @@ pub struct GroundTiles {
     pub heights: TextureArray,
     /// Maxima of blocks, a layer a tile.
     pub bounds: TextureArray,
-    /// Triangles, as sample indices.
+    /// Triangles, as indices of mesh positions.
     pub indices: wgpu::Buffer,
     /// Bytes on the GPU.
     pub bytes: u64,
@@ -111,7 +111,7 @@ impl GroundUpload {
         self.records.push(GroundRecord {
             tile: [tile.x as i32, tile.y as i32],
             layer,
-            padding: 0,
+            mesh_parts: terrain.ground.mesh_parts() as u32,
         });
         self.slots.push(GroundSlot {
             tile,

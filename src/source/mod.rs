@@ -12,7 +12,7 @@ pub use crs_choice::CrsChoice;
 pub use error::SourceError;
 use error::gdal_says;
 pub use footprint::{Footprint, HeightRule, RoofSpec};
-pub use raster::{Dtm, DtmSampler, Imagery};
+pub use raster::{Dtm, DtmSampler, Imagery, SampleLattice, SteppedHeights};
 pub use vector::{
     CleanReport, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource, Outline,
     clean_outline,

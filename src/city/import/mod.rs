@@ -15,6 +15,7 @@ mod plan;
 mod progress;
 mod warnings;
 mod sources;
+mod spacing;
 mod terrain;
 
 use buildings::{make_building_maps, resolve_base_elevations};
@@ -122,7 +123,12 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     let (building_map_bytes, building_tiles) = make_building_maps(&buildings, &plan, folder, &keys)?;
     let (imagery_side, imagery_tiles) = make_imagery(&sources, &plan, folder, &keys)?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
-    warnings.extend(source_warnings(&sources, &plan.grid.bounds(), &place)?);
+    warnings.extend(source_warnings(
+        &sources,
+        options.keep_steps,
+        &plan.grid.bounds(),
+        &place,
+    )?);
     map.finish()?;
 
     let manifest = Manifest {

@@ -30,6 +30,8 @@ pub struct ImportOptions {
     pub imagery_crs: Option<String>,
     /// Metres per vertical unit of the terrain; none = what the files say.
     pub terrain_unit_m: Option<f64>,
+    /// Heights stored in whole steps (whole metres) stay terraces.
+    pub keep_steps: bool,
     /// Bound on the terrain mesh's error, metres.
     pub terrain_error_m: f64,
     /// Widest hole in the terrain that is filled, metres.

@@ -7,7 +7,12 @@ use crate::city::CityError;
 use crate::space::{Bounds, Crs, Place};
 
 /// About the sources and where they lie; `city` is the rectangle of the city's tiles, `place` its centre.
-pub fn source_warnings(sources: &Sources, city: &Bounds, place: &Place) -> Result<Vec<String>, CityError> {
+pub fn source_warnings(
+    sources: &Sources,
+    keep_steps: bool,
+    city: &Bounds,
+    place: &Place,
+) -> Result<Vec<String>, CityError> {
     let mut warnings = Vec::new();
     let about = |files: &[&Path], what: &str| {
         let first = files.first()?.display();
@@ -27,6 +32,26 @@ pub fn source_warnings(sources: &Sources, city: &Bounds, place: &Place) -> Resul
         "is in a CRS that is not in metres and does not name the unit of its heights: read as metres; \
          if they are feet, give --terrain-unit 0.3048 (US survey feet: 0.3048006)",
     ));
+    for stepped in &sources.stepped {
+        let files = match stepped.files {
+            1 => String::new(),
+            count => format!(" and {} more", count - 1),
+        };
+        warnings.push(format!(
+            "{}{files}: heights in whole steps of {} m on pixels of {} m show as terraces: {}",
+            stepped.path.display(),
+            stepped.step_m,
+            stepped.pixel_m,
+            if keep_steps {
+                "kept as they are".to_owned()
+            } else {
+                format!(
+                    "smoothed within {} m; --keep-steps keeps them",
+                    0.5 * stepped.step_m
+                )
+            }
+        ));
+    }
     if let Some(imagery) = &sources.imagery {
         let apart: Vec<&Path> = imagery.files_outside(city).collect();
         warnings.extend(about(
