@@ -7,10 +7,11 @@ mod ground;
 mod import;
 mod manifest;
 mod staging;
+mod standing;
 mod store;
 
 pub use codec::{ImageryTile, TerrainTile};
 pub use error::CityError;
-pub use import::{ImportOptions, ImportReport, import};
+pub use import::{ImportOptions, ImportReport, ImportWarning, Setting, import};
 pub use manifest::{Manifest, SourceRecord};
 pub use store::City;

@@ -1,7 +1,6 @@
 //! A city made ready to be drawn: device, resident tiles, pipelines.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::RenderError;
 use crate::buildings::Building;
@@ -9,9 +8,6 @@ use crate::city::City;
 use crate::gpu::Gpu;
 use crate::relief::{ReliefMode, ReliefPass, building_mesh};
 use crate::scene::{Resident, TerrainMesh};
-use crate::source::FootprintDataset;
-use crate::space::{Crs, TileId};
-use crate::terrain::HeightTile;
 
 /// Everything that lives as long as the city is drawn.
 pub struct Renderer {
@@ -47,38 +43,9 @@ impl Renderer {
 
 /// Raises the footprint dataset's footprints on the city's ground; needs GDAL, unlike every other way of drawing.
 fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<Vec<Building>, RenderError> {
-    let buildings = standing_buildings(city)?;
+    let buildings = city.standing_buildings()?;
     let centre = city.manifest().grid.bounds().centre();
     let origin = DVec3::new(centre.x, centre.y, 0.0);
     relief.set_polygons(gpu, &building_mesh(&buildings, origin), origin)?;
     Ok(buildings)
-}
-
-/// The footprint dataset's buildings with their bases and roofs.
-fn standing_buildings(city: &City) -> Result<Vec<Building>, RenderError> {
-    let manifest = city.manifest();
-    let crs = Crs::from_text(&manifest.crs).map_err(crate::city::CityError::from)?;
-    let footprints = FootprintDataset::read(
-        &city.footprint_dataset_path(),
-        &crs,
-        &manifest.height_rule,
-        manifest.default_height_m,
-    )
-    .map_err(crate::city::CityError::from)?;
-    let tiles: Vec<TileId> = manifest.grid.tiles().collect();
-    let grounds: Vec<Option<HeightTile>> = tiles
-        .par_iter()
-        .map(|&tile| Ok(city.terrain(tile)?.map(|terrain| terrain.ground)))
-        .collect::<Result<_, crate::city::CityError>>()?;
-    let ground = |x: f64, y: f64| {
-        let tile = manifest.grid.tile_at(glam::DVec2::new(x, y))?;
-        let origin = manifest.grid.origin(tile);
-        let index = (tile.y * manifest.grid.columns + tile.x) as usize;
-        grounds[index].as_ref()?.ground(x - origin.x, y - origin.y)
-    };
-    Ok(footprints
-        .into_par_iter()
-        .filter_map(|footprint| Building::on_ground(footprint, ground).ok())
-        .map(|(building, _)| building)
-        .collect())
 }

@@ -20,7 +20,7 @@ pub struct Place {
 #[derive(Debug, Error)]
 pub enum SunError {
     /// The text is not an RFC 3339 time.
-    #[error("--time {text}: {why}; write it like 2026-06-21T19:40:00+02:00")]
+    #[error("{text}: is no time ({why}); write it like 2026-06-21T19:40:00+02:00")]
     Time {
         /// What was given.
         text: String,
@@ -28,7 +28,7 @@ pub enum SunError {
         why: String,
     },
     /// The position could not be computed (year out of range).
-    #[error("no sun position for --time {text}: {why}")]
+    #[error("no sun position for the time {text}: {why}")]
     Position {
         /// What was given.
         text: String,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gdal::{Dataset, GeoTransformEx};
 use glam::DVec2;
 
-use crate::source::{CrsChoice, SourceError, gdal_says};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// A file with its place in the mosaic source, pixels from the mosaic source's north-west corner.
@@ -51,10 +51,9 @@ impl MosaicSource {
             why: gdal_says(&error),
         })?;
         if dataset.raster_count() >= 3 && band.band_type() == gdal::raster::GdalDataType::UInt8 {
-            return Err(unfit(
-                "looks like an orthophoto (three or more 8-bit bands), not like terrain",
-                "give it with --photo",
-            ));
+            return Err(SourceError::NotTerrain {
+                path: path.to_owned(),
+            });
         }
         let ground_from_pixel = dataset.geo_transform().map_err(|_| {
             unfit(
@@ -65,7 +64,7 @@ impl MosaicSource {
         let pixel_from_ground = ground_from_pixel
             .invert()
             .map_err(|_| unfit("has a georeference of zero area", "mend it with gdal_edit.py"))?;
-        let crs = choice.of_file(path, dataset.spatial_ref().ok(), "--terrain-crs")?;
+        let crs = choice.of_file(path, dataset.spatial_ref().ok(), SourceRole::Terrain)?;
         let unit = metres_per_unit
             .or_else(|| metres_of_unit(&band.unit()))
             .or(crs.metres_per_height_unit());

@@ -26,15 +26,9 @@ impl FootprintDataset {
         default_height_m: f64,
     ) -> Result<Vec<Footprint>, SourceError> {
         let mut footprints = Vec::new();
-        FootprintSource::open_footprint_dataset(path)?.read(
-            city,
-            rule,
-            default_height_m,
-            None,
-            |footprint| {
-                footprints.push(footprint);
-            },
-        )?;
+        FootprintSource::open_footprint_dataset(path)?.read(city, rule, default_height_m, |footprint| {
+            footprints.push(footprint);
+        })?;
         Ok(footprints)
     }
 }
@@ -138,16 +132,6 @@ impl FootprintDatasetWriter {
             .set_geometry(geometry)
             .and_then(|()| feature.create(&layer))
             .map_err(|error| self.error(error))
-    }
-
-    /// Takes buildings out again.
-    pub fn remove(&mut self, fids: &[u32]) -> Result<(), SourceError> {
-        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
-        for fid in fids {
-            // SAFETY: the layer is alive; an unknown FID is only reported.
-            unsafe { gdal_sys::OGR_L_DeleteFeature(layer.c_layer(), i64::from(*fid)) };
-        }
-        Ok(())
     }
 
     /// Commits and closes.
