@@ -33,6 +33,7 @@ pub fn for_warning(warning: &ImportWarning) -> String {
             "if they are feet, give --terrain-unit 0.3048 (US survey feet: 0.3048006)".to_owned()
         }
         ImportWarning::OutsideCrs { .. } => "give another --crs".to_owned(),
+        ImportWarning::TranslationDropped { .. } => "check where the buildings lie".to_owned(),
         ImportWarning::NoHeights { .. } => {
             "name a field with --height-field, --storeys-field or --roof-field, or another --default-height"
                 .to_owned()

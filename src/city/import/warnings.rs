@@ -31,6 +31,11 @@ pub enum ImportWarning {
         /// Name of its CRS.
         crs: String,
     },
+    /// A CityJSON of whole coordinates that still gives a translation.
+    TranslationDropped {
+        /// The file.
+        file: PathBuf,
+    },
     /// No field was named and none has a known name.
     NoHeights {
         /// The height that every building gets, metres.
@@ -91,6 +96,10 @@ pub fn source_warnings(
     let files = owned(sources.dtm.files_of_unspecified_unit().collect());
     if !files.is_empty() {
         warnings.push(ImportWarning::UnspecifiedUnit { files });
+    }
+    if sources.buildings.translation_dropped {
+        let file = sources.buildings.path().to_owned();
+        warnings.push(ImportWarning::TranslationDropped { file });
     }
     if !sources.crs.is_meant_for(place) {
         warnings.push(ImportWarning::OutsideCrs {

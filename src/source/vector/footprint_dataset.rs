@@ -51,8 +51,11 @@ impl FootprintDatasetWriter {
         // The GeoPackage stores when it was last changed; the same input must give the same bytes.
         gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
             .map_err(|error| write_error(gdal_says(&error)))?;
-        if path.exists() {
-            std::fs::remove_file(path).map_err(|error| write_error(error.to_string()))?;
+        // A journal that a killed import left would be played into the new file.
+        for old in [path.to_owned(), path.with_extension("gpkg-journal")] {
+            if old.exists() {
+                std::fs::remove_file(old).map_err(|error| write_error(error.to_string()))?;
+            }
         }
         let create = || -> Result<Dataset, gdal::errors::GdalError> {
             let driver = DriverManager::get_driver_by_name("GPKG")?;

@@ -20,6 +20,8 @@ pub struct FootprintSource {
     /// Lines count as outlines: CAD drawings have no areas.
     pub(super) is_cad: bool,
     pub(super) is_cityjson: bool,
+    /// A CityJSON's vertices lie in its own extent only without its translation, which was dropped.
+    pub translation_dropped: bool,
     /// Building ids: the feature's FID, where the format keeps it, else its index.
     pub(super) ids_are_fids: bool,
     /// The driver ends a damaged file like a whole one; its error messages and its own count tell.
@@ -29,11 +31,12 @@ pub struct FootprintSource {
 impl FootprintSource {
     /// Opens a file and picks its layer: the named one, or the only one with areas.
     pub fn open(path: &Path, layer: Option<&str>, choice: &CrsChoice) -> Result<Self, SourceError> {
-        let (dataset, cityjson_crs, is_cityjson) = match cityjson::virtual_path(path) {
-            Some(virtual_path) => {
-                let (dataset, crs) = cityjson::open(path, &virtual_path)?;
-                (dataset, crs, true)
-            }
+        let city = cityjson::virtual_path(path)
+            .map(|virtual_path| cityjson::open(path, &virtual_path))
+            .transpose()?;
+        let is_cityjson = city.is_some();
+        let (dataset, cityjson_crs, translation_dropped) = match city {
+            Some(city) => (city.dataset, city.crs, city.translation_dropped),
             None => (open_vector(path)?, None, false),
         };
         let driver = dataset.driver().short_name();
@@ -52,6 +55,7 @@ impl FootprintSource {
             is_osm,
             is_cad,
             is_cityjson,
+            translation_dropped,
             ids_are_fids: false,
             reads_past_damage: ["FlatGeobuf", "ESRI Shapefile", "GPKG"].contains(&driver.as_str()),
         };
@@ -87,6 +91,11 @@ impl FootprintSource {
             Some([row.field_as_integer64(0).ok()??, row.field_as_integer64(1).ok()??])
         };
         keeps && range().is_some_and(|[first, last]| first >= 1 && u32::try_from(last).is_ok())
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Longitude and latitude of the centre of the layer's extent, degrees; none when OGR does not know it.
