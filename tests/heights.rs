@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 
 use gdal::vector::{LayerAccess, sql::Dialect};
 use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
-use rilievo::city::City;
+use glam::DVec2;
+use rilievo::buildings::Building;
+use rilievo::city::{City, building_map, buildings_by_tile, ground_at};
 use serde_json::{Value, json};
 use support::{sample, shared_data, succeed};
 
@@ -60,6 +62,19 @@ fn heights(city: &Path) -> BTreeMap<u32, f32> {
         .flat_map(|map| map.roofs)
         .map(|roof| (roof.fid, roof.roof_m - roof.base_m))
         .collect()
+}
+
+/// The footprint dataset's buildings on the city's ground.
+fn raised(city: &City) -> Vec<Building> {
+    let grid = city.manifest().grid;
+    let ground = |x, y| {
+        let heights = |tile| {
+            city.terrain(tile)
+                .map(|terrain| terrain.map(|terrain| terrain.ground))
+        };
+        ground_at(&grid, DVec2::new(x, y), heights).unwrap()
+    };
+    city.raised_buildings(ground).unwrap()
 }
 
 fn same_heights(found: &BTreeMap<u32, f32>, expected: &[(u32, f32)]) {
@@ -143,9 +158,17 @@ fn a_city_of_its_own_footprint_dataset_is_the_same_and_an_edited_field_counts() 
     }
     assert_eq!(heights(&first), heights(&second));
 
+    // The very same tiles from the footprint dataset and the ground.
+    let city = City::open(&first).unwrap();
+    let (grid, side) = (city.manifest().grid, city.manifest().tile_texels);
+    for (tile, buildings) in buildings_by_tile(&grid, &raised(&city)) {
+        let made = building_map(&grid, tile, side, &buildings).unwrap();
+        assert!(made == city.buildings(tile).unwrap(), "{tile:?} differs");
+    }
+
     let standing = |city: &Path| -> BTreeMap<u32, f32> {
-        let buildings = City::open(city).unwrap().standing_buildings().unwrap();
-        let height = |building: &rilievo::buildings::Building| (building.roof_m - building.base_m) as f32;
+        let buildings = raised(&City::open(city).unwrap());
+        let height = |building: &Building| (building.roof_m - building.base_m) as f32;
         buildings
             .iter()
             .map(|building| (building.fid, height(building)))

@@ -9,9 +9,10 @@ use glam::DVec2;
 
 use super::CityError;
 use super::codec::read_terrain;
-use super::store::{City, Layer, tile_path};
+use super::store::{Layer, tile_path};
+use super::tile::ground_at;
 use crate::space::{TileGrid, TileId};
-use crate::terrain::{HeightTile, height_at};
+use crate::terrain::HeightTile;
 
 /// Bytes of heights kept in memory.
 const BUDGET_BYTES: usize = 192 << 20;
@@ -32,19 +33,8 @@ struct Cache {
 }
 
 impl Ground {
-    /// Over the terrain tiles of a city.
-    pub fn new(city: &City) -> Self {
-        let manifest = city.manifest();
-        Self::in_folder(
-            city.folder().to_owned(),
-            manifest.grid,
-            manifest.terrain_side,
-            manifest.terrain_step_m,
-        )
-    }
-
-    /// Over the terrain tiles of a city folder that is being made.
-    pub fn in_folder(folder: PathBuf, grid: TileGrid, side: usize, step_m: f64) -> Self {
+    /// Over the terrain tiles of a city folder.
+    pub fn new(folder: PathBuf, grid: TileGrid, side: usize, step_m: f64) -> Self {
         Self {
             folder,
             grid,
@@ -92,7 +82,7 @@ impl Ground {
     }
 
     /// Ground at a point of the city, metres.
-    pub fn at(&self, point: DVec2) -> Result<Option<f64>, CityError> {
-        height_at(&self.grid, point, |id| self.tile(id))
+    pub fn at(&self, x: f64, y: f64) -> Result<Option<f64>, CityError> {
+        ground_at(&self.grid, DVec2::new(x, y), |id| self.tile(id))
     }
 }

@@ -6,12 +6,15 @@ mod geotiff;
 mod ground;
 mod import;
 mod manifest;
+mod raised;
 mod staging;
-mod standing;
 mod store;
+mod tile;
 
 pub use codec::{ImageryTile, TerrainTile};
 pub use error::CityError;
 pub use import::{ImportOptions, ImportReport, ImportWarning, Setting, import};
 pub use manifest::{Manifest, SourceRecord};
+pub use raised::{RaisedFootprints, building_map, buildings_by_tile, raise_footprints};
 pub use store::City;
+pub use tile::ground_at;

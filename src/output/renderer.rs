@@ -1,13 +1,16 @@
 //! A city made ready to be drawn: device, resident tiles, pipelines.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::RenderError;
 use crate::buildings::Building;
-use crate::city::City;
+use crate::city::{City, ground_at};
 use crate::gpu::Gpu;
 use crate::relief::{ReliefMode, ReliefPass, building_mesh};
 use crate::scene::{Resident, TerrainMesh};
+use crate::space::TileId;
+use crate::terrain::HeightTile;
 
 /// Everything that lives as long as the city is drawn.
 pub struct Renderer {
@@ -43,9 +46,28 @@ impl Renderer {
 
 /// Raises the footprint dataset's footprints on the city's ground; needs GDAL, unlike every other way of drawing.
 fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<Vec<Building>, RenderError> {
-    let buildings = city.standing_buildings()?;
+    let buildings = standing_buildings(city)?;
     let centre = city.manifest().grid.bounds().centre();
     let origin = DVec3::new(centre.x, centre.y, 0.0);
     relief.set_polygons(gpu, &building_mesh(&buildings, origin), origin)?;
     Ok(buildings)
+}
+
+/// The footprint dataset's buildings with their bases and roofs.
+fn standing_buildings(city: &City) -> Result<Vec<Building>, RenderError> {
+    let manifest = city.manifest();
+    let tiles: Vec<TileId> = manifest.grid.tiles().collect();
+    let grounds: Vec<Option<HeightTile>> = tiles
+        .par_iter()
+        .map(|&tile| Ok(city.terrain(tile)?.map(|terrain| terrain.ground)))
+        .collect::<Result<_, crate::city::CityError>>()?;
+    let ground = |x: f64, y: f64| {
+        let heights = |tile: TileId| {
+            let index = (tile.y * manifest.grid.columns + tile.x) as usize;
+            Ok::<_, std::convert::Infallible>(grounds[index].as_ref())
+        };
+        let Ok(height) = ground_at(&manifest.grid, glam::DVec2::new(x, y), heights);
+        height
+    };
+    Ok(city.raised_buildings(ground)?)
 }

@@ -6,13 +6,11 @@
 
 mod fill;
 mod grid;
-mod height_at;
 mod height_tile;
 mod profile;
 mod tin;
 
 pub use fill::fill_gaps;
 pub use grid::grid_triangles;
-pub use height_at::height_at;
 pub use height_tile::HeightTile;
 pub use tin::{Apron, tin_triangles};

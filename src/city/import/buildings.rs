@@ -1,8 +1,8 @@
 //! The footprint dataset of record, and the building-map tiles.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -10,12 +10,12 @@ use super::TILE_TEXELS;
 use super::plan::Plan;
 use super::progress::progress;
 use super::sources::Sources;
-use crate::buildings::{Building, Pyramid, rasterise};
+use crate::buildings::{Building, Pyramid};
 use crate::city::CityError;
 use crate::city::codec;
 use crate::city::geotiff::GeoKeys;
 use crate::city::ground::Ground;
-use crate::city::standing::stand_on_ground;
+use crate::city::raised::{building_map, buildings_by_tile, raise_footprints};
 use crate::city::store::{Layer, tile_path};
 use crate::source::{Footprint, FootprintDatasetWriter, FootprintReport};
 use crate::space::TileId;
@@ -29,17 +29,27 @@ pub fn make_footprint_dataset(
     path: &Path,
     report: &mut FootprintReport,
 ) -> Result<Vec<Building>, CityError> {
-    let stood = stand_on_ground(footprints, ground)?;
-    for _ in 0..stood.groundless {
+    let failure: Mutex<Option<CityError>> = Mutex::new(None);
+    let raised = raise_footprints(footprints, |x, y| {
+        ground.at(x, y).unwrap_or_else(|error| {
+            let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
+            failure.get_or_insert(error);
+            None
+        })
+    });
+    if let Some(error) = failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error);
+    }
+    for _ in 0..raised.groundless {
         report.reject_accepted("no ground under it");
     }
-    for _ in 0..stood.partly_missing {
+    for _ in 0..raised.partly_missing {
         report.repair("partly over missing ground: stands on what there is");
     }
-    for origin in stood.height_origins {
+    for origin in raised.height_origins {
         report.height(origin);
     }
-    let buildings = stood.buildings;
+    let buildings = raised.buildings;
     let mut dataset = FootprintDatasetWriter::create(path, &sources.crs)?;
     sources.buildings.copy_to(&mut dataset, |fid| {
         let index = buildings
@@ -59,13 +69,7 @@ pub fn make_building_maps(
     folder: &Path,
     keys: &GeoKeys,
 ) -> Result<(u64, u64), CityError> {
-    let mut by_tile: BTreeMap<TileId, Vec<&Building>> = BTreeMap::new();
-    for building in buildings {
-        for tile in plan.grid.tiles_meeting(&building.bounds()) {
-            by_tile.entry(tile).or_default().push(building);
-        }
-    }
-    let tiles: Vec<(TileId, Vec<&Building>)> = by_tile.into_iter().collect();
+    let tiles: Vec<(TileId, Vec<&Building>)> = buildings_by_tile(&plan.grid, buildings).into_iter().collect();
     let bar = progress("buildings", tiles.len() as u64);
     let (bytes, written) = (AtomicU64::new(0), AtomicU64::new(0));
     tiles
@@ -73,21 +77,20 @@ pub fn make_building_maps(
         .map(|(id, buildings)| -> Result<(), CityError> {
             let path = tile_path(folder, Layer::Buildings, *id);
             let bounds = plan.grid.tile_bounds(*id);
-            let map =
-                rasterise(&bounds, TILE_TEXELS, buildings).map_err(|source| CityError::TileTooLarge {
+            let map = building_map(&plan.grid, *id, TILE_TEXELS, buildings).map_err(|source| {
+                CityError::TileTooLarge {
                     path: path.clone(),
                     source,
-                })?;
-            if map.vertices.is_empty() && map.cells.iter().all(|&word| word == 0) {
-                return Ok(()); // only its rectangle touches the tile
-            }
+                }
+            })?;
+            bar.inc(1);
+            let Some(map) = map else { return Ok(()) };
             written.fetch_add(1, Ordering::Relaxed);
             bytes.fetch_add((map.bytes() + Pyramid::bytes(map.side)) as u64, Ordering::Relaxed);
             let left = codec::read_buildings(&path, TILE_TEXELS, f64::from(map.texel_m));
             if left.ok().as_ref() != Some(&map) {
                 codec::write_buildings(&path, &bounds, &map, keys)?;
             }
-            bar.inc(1);
             Ok(())
         })
         .collect::<Result<(), _>>()?;

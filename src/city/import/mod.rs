@@ -89,7 +89,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
 
     let plan = Plan::new(&sources, options, &footprints, &report)?;
     let keys = GeoKeys::from_crs(&sources.crs)?;
-    let ground = Ground::in_folder(
+    let ground = Ground::new(
         folder.to_owned(),
         plan.grid,
         plan.terrain_side,

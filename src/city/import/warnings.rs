@@ -65,6 +65,11 @@ impl fmt::Display for ImportWarning {
                  north may be far off",
                 place.longitude_deg, place.latitude_deg
             ),
+            Self::TranslationDropped { file } => write!(
+                f,
+                "{}: its vertices lie in its own extent only without its translation, which is dropped",
+                file.display()
+            ),
             Self::NoHeights { default_height_m, .. } => write!(
                 f,
                 "no field of a known name gives heights: every building is {default_height_m} m high"
