@@ -10,12 +10,14 @@ macro_rules! say {
     }};
 }
 
+mod advice;
 mod args;
 mod bench;
 mod bench_flare;
 mod camera_flags;
 mod flare_flags;
 mod import;
+mod import_report;
 mod info;
 mod lens;
 mod lens_bake;
@@ -84,7 +86,9 @@ pub fn main() -> ExitCode {
     match run(args.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("rilievo: {}", error.to_string().replace('\n', " "));
+            let advice = advice::for_error(&error).map(|advice| format!("; {advice}"));
+            let text = format!("{error}{}", advice.unwrap_or_default());
+            eprintln!("rilievo: {}", text.replace('\n', " "));
             ExitCode::FAILURE
         }
     }

@@ -27,9 +27,7 @@ pub enum GpuError {
         why: String,
     },
     /// The city does not fit the device.
-    #[error(
-        "{what} needs {needed}, {adapter} allows {allowed}; import the city with larger texels (--texel 2) or a smaller --margin"
-    )]
+    #[error("{what} needs {needed}, {adapter} allows {allowed}")]
     TooLarge {
         /// What does not fit.
         what: &'static str,

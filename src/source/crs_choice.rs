@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gdal::spatial_ref::SpatialRef;
 
-use super::SourceError;
+use super::{SourceError, SourceRole};
 use crate::space::Crs;
 
 /// How to decide a file's CRS.
@@ -33,12 +33,12 @@ impl CrsChoice {
         }
     }
 
-    /// The CRS of a file that names `own`; `flag` is how the user can give one.
+    /// The CRS of a file that names `own`; `role` is what the file was given as.
     pub fn of_file(
         &self,
         path: &Path,
         own: Option<SpatialRef>,
-        flag: &'static str,
+        role: SourceRole,
     ) -> Result<Crs, SourceError> {
         if let Some(given) = &self.given {
             return Ok(given.clone());
@@ -46,7 +46,7 @@ impl CrsChoice {
         let Some(own) = own.filter(|reference| !reference.is_local()) else {
             return self.fallback.clone().ok_or_else(|| SourceError::NoCrs {
                 path: path.to_owned(),
-                flag,
+                role,
             });
         };
         Crs::from_gdal(own).map_err(|source| SourceError::Crs {

@@ -42,32 +42,25 @@ impl Plan {
             }
         }
         if report.read == 0 {
-            return Err(CityError::Unfit {
-                what: format!("{}: its layer holds no features", options.buildings.display()),
-                advice: "give the file that has the footprints, or another --layer".to_owned(),
+            return Err(CityError::EmptyLayer {
+                path: options.buildings.clone(),
             });
         }
         let bounds = built.grown(options.margin_m).intersection(&terrain);
         if bounds.is_empty() {
-            return Err(CityError::Unfit {
-                what: format!(
-                    "{}: no footprint lies on the terrain (terrain: {}; footprints: {}; {} read{})",
-                    options.buildings.display(),
-                    describe(&terrain),
-                    describe(&all),
-                    report.read,
-                    rejected(report)
-                ),
-                advice: "check the files' coordinate reference systems (--buildings-crs, --terrain-crs)"
-                    .to_owned(),
+            return Err(CityError::Apart {
+                path: options.buildings.clone(),
+                terrain: describe(&terrain),
+                footprints: describe(&all),
+                rejected: rejected(report),
             });
         }
         let tile_m = options.texel_m * TILE_TEXELS as f64;
         let tiles = (bounds.width() / tile_m + 1.0) * (bounds.height() / tile_m + 1.0);
         if tiles > MAX_TILES {
-            return Err(CityError::Unfit {
-                what: format!("the city would have {tiles:.0} tiles ({})", describe(&bounds)),
-                advice: "use larger texels (--texel) or a smaller --margin".to_owned(),
+            return Err(CityError::TooManyTiles {
+                tiles,
+                extent: describe(&bounds),
             });
         }
         let lattice = sources.dtm.lattice_in(&sources.crs, &bounds)?;
@@ -110,12 +103,13 @@ fn outline_bounds(footprint: &Footprint) -> Bounds {
     bounds
 }
 
-/// Why features became no building, for a message.
+/// How many features were read and why some became no building, for a message.
 pub fn rejected(report: &FootprintReport) -> String {
     let reasons = report.rejected.iter();
-    reasons
+    let reasons: String = reasons
         .map(|(why, count)| format!(", {count} left out: {why}"))
-        .collect()
+        .collect();
+    format!("{} read{reasons}", report.read)
 }
 
 fn describe(bounds: &Bounds) -> String {

@@ -11,7 +11,7 @@ use super::height_steps::find_step;
 use super::mosaic_source::MosaicSource;
 use super::sampler::MosaicSampler;
 use super::smoothing::Smoothing;
-use crate::source::{CrsChoice, SourceError};
+use crate::source::{CrsChoice, SourceError, SourceRole};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Terrain rasters, finest pixels first; where several cover a point the first that knows it counts.
@@ -145,10 +145,10 @@ impl Dtm {
         PointTransform::new(&mosaic.crs, &globe)
             .map_err(crs_error)?
             .point(mosaic.bounds.centre())
-            .ok_or_else(|| SourceError::Unfit {
+            .ok_or_else(|| SourceError::WrongCrs {
                 path: mosaic.files[0].path.clone(),
-                what: "lies outside the area of its own coordinate reference system".to_owned(),
-                advice: "check its georeference, or name the right CRS with --terrain-crs EPSG:n".to_owned(),
+                role: SourceRole::Terrain,
+                why: "lies outside the area of its own coordinate reference system".to_owned(),
             })
     }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gdal::raster::{Buffer, GdalDataType};
 use gdal::{Dataset, DriverManager};
 
-use crate::source::{CrsChoice, SourceError, gdal_says};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Imagery files, in the order given; later ones lie on top.
@@ -82,7 +82,7 @@ impl PhotoFile {
         };
         let own = dataset.spatial_ref().ok();
         let named = own.is_some() && !choice.is_given();
-        let crs = choice.of_file(path, own, "--photo-crs")?;
+        let crs = choice.of_file(path, own, SourceRole::Imagery)?;
         let assumed_srs = (!named).then(|| crs.label().to_owned());
         let transform = dataset.geo_transform().map_err(|_| SourceError::Unfit {
             path: path.to_owned(),

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::dtm::SampleLattice;
 use super::smoothing::Smoothing;
-use crate::source::{CrsChoice, SourceError, gdal_says};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// A sample so near a pixel's centre, in pixels, is that pixel.
@@ -58,10 +58,9 @@ impl MosaicSource {
             why: gdal_says(&error),
         })?;
         if dataset.raster_count() >= 3 && band.band_type() == gdal::raster::GdalDataType::UInt8 {
-            return Err(unfit(
-                "looks like an orthophoto (three or more 8-bit bands), not like terrain",
-                "give it with --photo",
-            ));
+            return Err(SourceError::NotTerrain {
+                path: path.to_owned(),
+            });
         }
         let ground_from_pixel = dataset.geo_transform().map_err(|_| {
             unfit(
@@ -72,7 +71,7 @@ impl MosaicSource {
         let pixel_from_ground = ground_from_pixel
             .invert()
             .map_err(|_| unfit("has a georeference of zero area", "mend it with gdal_edit.py"))?;
-        let crs = choice.of_file(path, dataset.spatial_ref().ok(), "--terrain-crs")?;
+        let crs = choice.of_file(path, dataset.spatial_ref().ok(), SourceRole::Terrain)?;
         let unit = metres_per_unit
             .or_else(|| metres_of_unit(&band.unit()))
             .or(crs.metres_per_height_unit());
