@@ -12,5 +12,5 @@ mod store;
 pub use codec::{ImageryTile, TerrainTile};
 pub use error::CityError;
 pub use import::{ImportOptions, ImportReport, import};
-pub use manifest::{Manifest, SourceRecord};
+pub use manifest::{Manifest, OperationRecord, SourceRecord};
 pub use store::City;

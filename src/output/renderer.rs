@@ -9,7 +9,7 @@ use crate::city::City;
 use crate::gpu::Gpu;
 use crate::relief::{ReliefMode, ReliefPass, building_mesh};
 use crate::scene::{Resident, TerrainMesh};
-use crate::source::FootprintDataset;
+use crate::source::{FootprintDataset, silence_gdal};
 use crate::space::{Crs, TileId};
 use crate::terrain::HeightTile;
 
@@ -56,6 +56,7 @@ fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<Vec<B
 
 /// The footprint dataset's buildings with their bases and roofs.
 fn standing_buildings(city: &City) -> Result<Vec<Building>, RenderError> {
+    silence_gdal();
     let manifest = city.manifest();
     let crs = Crs::from_text(&manifest.crs).map_err(crate::city::CityError::from)?;
     let footprints = FootprintDataset::read(

@@ -6,6 +6,7 @@ mod crs_choice;
 mod error;
 mod footprint;
 mod raster;
+mod spatial_reference;
 mod vector;
 
 pub use crs_choice::CrsChoice;
@@ -13,6 +14,7 @@ pub use error::SourceError;
 use error::gdal_says;
 pub use footprint::{Footprint, HeightRule, RoofSpec};
 pub use raster::{Dtm, DtmSampler, Imagery};
+pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource, Outline,
     clean_outline,

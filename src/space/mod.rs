@@ -9,7 +9,7 @@ mod tile_grid;
 mod view;
 
 pub use bounds::Bounds;
-pub use crs::{Crs, CrsError, PointTransform, silence_gdal};
+pub use crs::{Accuracy, Crs, CrsError, GeoArea, MissingGrids, Operation, OperationWarning, PointTransform};
 pub use sun::{Place, SunError, sun_direction_in_world, sun_from_azimuth_altitude};
 pub use tile_grid::{TileGrid, TileId};
 pub use view::{Projection, View};

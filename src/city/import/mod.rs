@@ -123,6 +123,8 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     let (imagery_side, imagery_tiles) = make_imagery(&sources, &plan, folder, &keys)?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
     warnings.extend(source_warnings(&sources, &plan.grid.bounds(), &place)?);
+    let (operations, operation_warnings) = sources.operations()?;
+    warnings.extend(operation_warnings.iter().map(ToString::to_string));
     map.finish()?;
 
     let manifest = Manifest {
@@ -158,6 +160,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         grid: plan.grid,
         height_rule: rule,
         sources: cache_key.records,
+        operations,
         footprints: report,
     };
     let text = toml::to_string_pretty(&manifest).map_err(|error| CityError::File {
