@@ -147,17 +147,18 @@ impl Operation {
         };
         let (source, target) = (from.object()?, to.object()?);
         let area = from.area.or(to.area);
-        let candidates = source.operations_to(&target, area.as_ref());
-        let usable = |ballpark: bool| {
-            let mut kind = candidates
-                .iter()
-                .enumerate()
-                .filter(move |(_, o)| o.is_ballpark() == ballpark);
-            kind.find_map(|(index, candidate)| Self::from_object(candidate).map(|found| (index, found)))
-        };
-        let (index, mut operation) = usable(false)
-            .or_else(|| usable(true))
-            .ok_or_else(|| none("PROJ knows no operation between them".to_owned()))?;
+        let direct = source.operations_to(&target, area.as_ref(), false);
+        let mut better = direct.as_slice();
+        let mut found = first_usable(&direct, false);
+        if let Some((index, _)) = &found {
+            better = &direct[..*index];
+        } else {
+            // Where a direct operation wants a grid, another datum between may still do well without.
+            let indirect = source.operations_to(&target, area.as_ref(), true);
+            found = first_usable(&indirect, false).or_else(|| first_usable(&direct, true));
+        }
+        let (_, mut operation) =
+            found.ok_or_else(|| none("PROJ knows no operation between them".to_owned()))?;
         if operation.accuracy == Accuracy::Ballpark && have_one_datum(&source, &target) {
             operation.accuracy = Accuracy::Metres(0.0);
             let steps = operation.name.split(" + ");
@@ -165,7 +166,7 @@ impl Operation {
             operation.name = steps.join(" + ");
         }
         // What stands before it in the list is better or serves more of the area.
-        operation.better = candidates[..index]
+        operation.better = better
             .iter()
             .filter(|candidate| !candidate.is_ballpark())
             .find_map(|candidate| {
@@ -199,6 +200,14 @@ impl Operation {
             pipeline_in_axis_order: candidate.proj_string()?,
         })
     }
+}
+
+/// The first operation with all it needs, ballpark or not, and its index.
+fn first_usable(candidates: &[ProjObject], ballpark: bool) -> Option<(usize, Operation)> {
+    let mut kind = (0..)
+        .zip(candidates)
+        .filter(|(_, candidate)| candidate.is_ballpark() == ballpark);
+    kind.find_map(|(index, candidate)| Some((index, Operation::from_object(candidate)?)))
 }
 
 /// True when both stand on one registered datum, of which a file wrote the ellipsoid with other digits: PROJ then takes the

@@ -4,6 +4,7 @@
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::{null, null_mut};
 use std::rc::Rc;
+use std::sync::Once;
 
 use proj_sys as sys;
 
@@ -53,11 +54,16 @@ impl Drop for ProjObject {
 impl ProjObject {
     /// Reads `EPSG:n`, WKT of any dialect, PROJ strings, PROJJSON, URNs and names; the error is PROJ's reason.
     pub fn from_text(text: &str) -> Result<Self, String> {
+        /// New contexts take over what the default one is told: the `proj` crate's are quiet by this as well.
+        static QUIET: Once = Once::new();
+        // SAFETY: null is PROJ's default context.
+        QUIET.call_once(|| unsafe {
+            sys::proj_log_level(null_mut(), sys::PJ_LOG_LEVEL_PJ_LOG_NONE);
+        });
         let definition = CString::new(text).map_err(|_| "it holds a NUL character".to_owned())?;
         // SAFETY: the text and the context outlive the calls; PROJ's reason is copied at once.
         unsafe {
             let context = Rc::new(Context(sys::proj_context_create()));
-            sys::proj_log_level(context.0, sys::PJ_LOG_LEVEL_PJ_LOG_NONE);
             let raw = sys::proj_create(context.0, definition.as_ptr());
             if raw.is_null() {
                 let number = sys::proj_context_errno(context.0);
@@ -267,8 +273,9 @@ impl ProjObject {
         }
     }
 
-    /// Coordinate operations from this CRS to another, best first, as if every grid were installed.
-    pub fn operations_to(&self, target: &Self, area: Option<&GeoArea>) -> Vec<Self> {
+    /// Coordinate operations from this CRS to another, best first, as if every grid were installed; on request also those
+    /// that go through a third CRS where direct ones are registered.
+    pub fn operations_to(&self, target: &Self, area: Option<&GeoArea>, through_third: bool) -> Vec<Self> {
         let context = self.context.0;
         // SAFETY: all are alive, and the factory lives until its list is made.
         unsafe {
@@ -293,6 +300,13 @@ impl ProjObject {
                 factory,
                 sys::PROJ_GRID_AVAILABILITY_USE_PROJ_GRID_AVAILABILITY_IGNORED,
             );
+            if through_third {
+                sys::proj_operation_factory_context_set_allow_use_intermediate_crs(
+                    context,
+                    factory,
+                    sys::PROJ_INTERMEDIATE_CRS_USE_PROJ_INTERMEDIATE_CRS_USE_ALWAYS,
+                );
+            }
             let list = sys::proj_create_operations(context, self.raw, target.raw, factory);
             sys::proj_operation_factory_context_destroy(factory);
             self.list(list)
