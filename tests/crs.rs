@@ -320,7 +320,7 @@ fn feet_are_feet_and_heights_keep_their_unit() {
     );
     let foot = 1200.0 / 3937.0;
     let feet = crs("EPSG:2230");
-    assert!(feet.is_in_other_lengths());
+    assert!(feet.has_non_metric_lengths());
     assert!((feet.metres_per_unit_at(DVec2::ZERO) - DVec2::splat(foot)).length() < 1e-12);
     // A degree on the equator of WGS 84 is 111319.49 m; at 60 degrees half of it along the parallel.
     let degree = crs("EPSG:4326").metres_per_unit_at(DVec2::new(0.0, 60.0));

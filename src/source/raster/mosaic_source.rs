@@ -74,7 +74,7 @@ impl MosaicSource {
                 path: path.to_owned(),
                 first: [0, 0],
                 size: [width, height],
-                unit_unspecified: unit.is_none() && crs.is_in_other_lengths(),
+                unit_unspecified: unit.is_none() && crs.has_non_metric_lengths(),
             }],
             crs,
             pixel_from_ground,

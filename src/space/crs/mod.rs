@@ -6,6 +6,7 @@ mod error;
 mod geo_area;
 mod operation;
 mod proj_object;
+mod proj_operation;
 mod transform;
 
 pub use error::CrsError;
@@ -165,7 +166,7 @@ impl Crs {
     }
 
     /// True for lengths in feet, links and their like.
-    pub fn is_in_other_lengths(&self) -> bool {
+    pub fn has_non_metric_lengths(&self) -> bool {
         matches!(self.coordinates, Coordinates::Projected { metres_per_unit, .. } if !is_metre(metres_per_unit))
     }
 

@@ -11,7 +11,7 @@ use proj_sys as sys;
 use super::GeoArea;
 
 /// One of PROJ's contexts: a thread's own, quiet.
-struct Context(*mut sys::PJ_CONTEXT);
+pub(super) struct Context(pub(super) *mut sys::PJ_CONTEXT);
 
 impl Drop for Context {
     fn drop(&mut self) {
@@ -20,11 +20,11 @@ impl Drop for Context {
     }
 }
 
-/// A CRS, a part of one, or a coordinate operation.
+/// A CRS, a part of one, or a coordinate operation (`proj_operation`).
 pub struct ProjObject {
     /// Never null.
-    raw: *mut sys::PJ,
-    context: Rc<Context>,
+    pub(super) raw: *mut sys::PJ,
+    pub(super) context: Rc<Context>,
 }
 
 /// Dialects of WKT.
@@ -80,7 +80,7 @@ impl ProjObject {
         (!raw.is_null()).then_some(Self { raw, context })
     }
 
-    fn kind(&self) -> sys::PJ_TYPE {
+    pub(super) fn kind(&self) -> sys::PJ_TYPE {
         // SAFETY: the object is alive.
         unsafe { sys::proj_get_type(self.raw) }
     }
@@ -219,6 +219,13 @@ impl ProjObject {
         }
     }
 
+    /// The longitudes and latitudes below a CRS: the code they are registered under.
+    pub fn geodetic_code(&self) -> Option<String> {
+        // SAFETY: both are alive; a CRS without one gives null.
+        self.owned(unsafe { sys::proj_crs_get_geodetic_crs(self.context.0, self.raw) })?
+            .code()
+    }
+
     /// The area it is registered for.
     pub fn area_of_use(&self) -> Option<GeoArea> {
         let [mut west_deg, mut south_deg, mut east_deg, mut north_deg] = [0.0; 4];
@@ -273,51 +280,11 @@ impl ProjObject {
         }
     }
 
-    /// Coordinate operations from this CRS to another, best first, as if every grid were installed; on request also those
-    /// that go through a third CRS where direct ones are registered.
-    pub fn operations_to(&self, target: &Self, area: Option<&GeoArea>, through_third: bool) -> Vec<Self> {
-        let context = self.context.0;
-        // SAFETY: all are alive, and the factory lives until its list is made.
-        unsafe {
-            let factory = sys::proj_create_operation_factory_context(context, null());
-            if factory.is_null() {
-                return Vec::new();
-            }
-            if let Some(area) = area {
-                let (west, east) = (area.west_deg, area.east_deg);
-                let (south, north) = (area.south_deg, area.north_deg);
-                sys::proj_operation_factory_context_set_area_of_interest(
-                    context, factory, west, south, east, north,
-                );
-            }
-            sys::proj_operation_factory_context_set_spatial_criterion(
-                context,
-                factory,
-                sys::PROJ_SPATIAL_CRITERION_PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION,
-            );
-            sys::proj_operation_factory_context_set_grid_availability_use(
-                context,
-                factory,
-                sys::PROJ_GRID_AVAILABILITY_USE_PROJ_GRID_AVAILABILITY_IGNORED,
-            );
-            if through_third {
-                sys::proj_operation_factory_context_set_allow_use_intermediate_crs(
-                    context,
-                    factory,
-                    sys::PROJ_INTERMEDIATE_CRS_USE_PROJ_INTERMEDIATE_CRS_USE_ALWAYS,
-                );
-            }
-            let list = sys::proj_create_operations(context, self.raw, target.raw, factory);
-            sys::proj_operation_factory_context_destroy(factory);
-            self.list(list)
-        }
-    }
-
     /// Takes a list's objects and frees it.
     ///
     /// # Safety
     /// The list is null or made in this object's context, and nobody else's.
-    unsafe fn list(&self, list: *mut sys::PJ_OBJ_LIST) -> Vec<Self> {
+    pub(super) unsafe fn list(&self, list: *mut sys::PJ_OBJ_LIST) -> Vec<Self> {
         if list.is_null() {
             return Vec::new();
         }
@@ -331,83 +298,13 @@ impl ProjObject {
             objects
         }
     }
-
-    /// True when an operation has all it needs, its grids too.
-    pub fn is_instantiable(&self) -> bool {
-        // SAFETY: both are alive.
-        unsafe { sys::proj_coordoperation_is_instantiable(self.context.0, self.raw) == 1 }
-    }
-
-    /// True when an operation takes one datum for another, for want of anything better.
-    pub fn is_ballpark(&self) -> bool {
-        // SAFETY: both are alive.
-        unsafe { sys::proj_coordoperation_has_ballpark_transformation(self.context.0, self.raw) == 1 }
-    }
-
-    /// The longitudes and latitudes below a CRS: the code they are registered under.
-    pub fn geodetic_code(&self) -> Option<String> {
-        // SAFETY: both are alive; a CRS without one gives null.
-        self.owned(unsafe { sys::proj_crs_get_geodetic_crs(self.context.0, self.raw) })?
-            .code()
-    }
-
-    /// An operation's accuracy, metres; 0 for a pure conversion, none where nobody knows.
-    pub fn accuracy_m(&self) -> Option<f64> {
-        if self.kind() == sys::PJ_TYPE_PJ_TYPE_CONVERSION {
-            return Some(0.0);
-        }
-        // SAFETY: both are alive.
-        let metres = unsafe { sys::proj_coordoperation_get_accuracy(self.context.0, self.raw) };
-        (metres >= 0.0).then_some(metres)
-    }
-
-    /// File names of the grids that an operation needs and that are not installed.
-    pub fn missing_grids(&self) -> Vec<String> {
-        // SAFETY: both are alive; -1 on failure is an empty range.
-        let count = unsafe { sys::proj_coordoperation_get_grid_used_count(self.context.0, self.raw) };
-        (0..count)
-            .filter_map(|index| {
-                let (mut name, mut available) = (null(), 0);
-                // SAFETY: outputs that are null are not written; the text is copied while the operation lives.
-                unsafe {
-                    let found = sys::proj_coordoperation_get_grid_used(
-                        self.context.0,
-                        self.raw,
-                        index,
-                        &mut name,
-                        null_mut(),
-                        null_mut(),
-                        null_mut(),
-                        null_mut(),
-                        null_mut(),
-                        &mut available,
-                    );
-                    string(name).filter(|_| found == 1 && available == 0)
-                }
-            })
-            .collect()
-    }
-
-    /// An operation as a PROJ string.
-    pub fn proj_string(&self) -> Option<String> {
-        let version = sys::PJ_PROJ_STRING_TYPE_PJ_PROJ_5;
-        // SAFETY: both are alive; the text is copied at once.
-        unsafe {
-            string(sys::proj_as_proj_string(
-                self.context.0,
-                self.raw,
-                version,
-                null(),
-            ))
-        }
-    }
 }
 
 /// A copy of PROJ's text; none when there is none.
 ///
 /// # Safety
 /// The pointer is null or a C string that lives during the call.
-unsafe fn string(text: *const c_char) -> Option<String> {
+pub(super) unsafe fn string(text: *const c_char) -> Option<String> {
     // SAFETY: the caller's promise.
     (!text.is_null())
         .then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
