@@ -52,7 +52,7 @@ impl Drop for ProjObject {
 }
 
 impl ProjObject {
-    /// Reads `EPSG:n`, WKT of any dialect, PROJ strings, PROJJSON, URNs and names; the error is PROJ's reason.
+    /// Reads `EPSG:n`, WKT of any dialect, PROJ strings, PROJJSON, URNs and names; the error says why not.
     pub fn from_text(text: &str) -> Result<Self, String> {
         /// New contexts take over what the default one is told: the `proj` crate's are quiet by this as well.
         static QUIET: Once = Once::new();
@@ -61,14 +61,17 @@ impl ProjObject {
             sys::proj_log_level(null_mut(), sys::PJ_LOG_LEVEL_PJ_LOG_NONE);
         });
         let definition = CString::new(text).map_err(|_| "it holds a NUL character".to_owned())?;
-        // SAFETY: the text and the context outlive the calls; PROJ's reason is copied at once.
+        // SAFETY: the text and the context outlive the calls.
         unsafe {
             let context = Rc::new(Context(sys::proj_context_create()));
             let raw = sys::proj_create(context.0, definition.as_ptr());
             if raw.is_null() {
-                let number = sys::proj_context_errno(context.0);
-                let reason = string(sys::proj_context_errno_string(context.0, number));
-                return Err(reason.map_or("PROJ does not know it".to_owned(), |text| text.to_lowercase()));
+                // PROJ's own reasons are "unknown error" and "invalid PROJ string", whatever was given.
+                let why = match sys::proj_context_get_database_path(context.0).is_null() {
+                    true => "PROJ finds its registry proj.db nowhere: install proj-data or set PROJ_DATA",
+                    false => "PROJ knows no such code, name or definition",
+                };
+                return Err(why.to_owned());
             }
             Ok(Self { raw, context })
         }
