@@ -14,7 +14,7 @@ mod tile;
 pub use codec::{ImageryTile, TerrainTile};
 pub use error::CityError;
 pub use import::{ImportOptions, ImportReport, ImportWarning, Setting, import};
-pub use manifest::{Manifest, SourceRecord};
+pub use manifest::{Manifest, OperationRecord, SourceRecord};
 pub use raised::{RaisedFootprints, building_map, buildings_by_tile, raise_footprints};
 pub use store::City;
 pub use tile::{Tile, ground_at};

@@ -6,6 +6,7 @@ use crate::gpu::GpuError;
 use crate::output::RenderError;
 use crate::scene::SceneError;
 use crate::source::{SourceError, SourceRole};
+use crate::space::OperationWarning;
 
 /// What to do about an error, where a flag or a command mends it.
 pub fn for_error(error: &CommandError) -> Option<String> {
@@ -31,6 +32,12 @@ pub fn for_warning(warning: &ImportWarning) -> String {
         ImportWarning::Outside { .. } => "check its place, or leave it out".to_owned(),
         ImportWarning::UnspecifiedUnit { .. } => {
             "if they are feet, give --terrain-unit 0.3048 (US survey feet: 0.3048006)".to_owned()
+        }
+        ImportWarning::Operation(OperationWarning::MissingGrids { .. }) => {
+            "put them in PROJ's data folder (projsync --file NAME gets one) and import again".to_owned()
+        }
+        ImportWarning::Operation(OperationWarning::Ballpark { .. }) => {
+            "check them against each other, or give the files in the city's datum".to_owned()
         }
         ImportWarning::Steps { kept: false, .. } => "--keep-steps keeps them".to_owned(),
         ImportWarning::Steps { kept: true, .. } => "leave out --keep-steps to smooth them".to_owned(),

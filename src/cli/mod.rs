@@ -82,7 +82,6 @@ pub fn main() -> ExitCode {
         })
         .without_time()
         .init();
-    crate::space::silence_gdal();
     match run(args.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

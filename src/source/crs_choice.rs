@@ -4,6 +4,7 @@ use std::path::Path;
 
 use gdal::spatial_ref::SpatialRef;
 
+use super::spatial_reference::crs_from_gdal;
 use super::{SourceError, SourceRole};
 use crate::space::Crs;
 
@@ -49,14 +50,9 @@ impl CrsChoice {
                 role,
             });
         };
-        Crs::from_gdal(own).map_err(|source| SourceError::Crs {
+        crs_from_gdal(&own).map_err(|source| SourceError::Crs {
             path: path.to_owned(),
             source,
         })
-    }
-
-    /// True when the user gave one.
-    pub fn is_given(&self) -> bool {
-        self.given.is_some()
     }
 }

@@ -9,6 +9,7 @@ mod height_rule;
 mod height_text;
 mod listed;
 mod raster;
+mod spatial_reference;
 mod vector;
 
 pub use crs_choice::CrsChoice;
@@ -18,6 +19,7 @@ pub use footprint::{Footprint, HeightOrigin, RoofSpec};
 pub use height_rule::{HeightField, HeightReading, HeightRule};
 pub use listed::listed;
 pub use raster::{Dtm, DtmSampler, Imagery, SampleLattice, SteppedHeights};
+pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FieldCount, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource,
     Outline, clean_outline,

@@ -10,7 +10,7 @@ mod sun_position;
 mod tile_grid;
 
 pub use bounds::Bounds;
-pub use crs::{Crs, CrsError, PointTransform, silence_gdal};
+pub use crs::{Accuracy, Crs, CrsError, GeoArea, MissingGrids, Operation, OperationWarning, PointTransform};
 pub use pose::{Pose, Projection};
 pub use sun::{SOLAR_ANGULAR_RADIUS, Sun};
 pub use sun_position::{Place, SunError, sun_direction_in_world};

@@ -115,6 +115,8 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
     let bounds = plan.grid.bounds();
     warnings.extend(source_warnings(&sources, options.keep_steps, &bounds, &place)?);
+    let (operations, operation_warnings) = sources.operations()?;
+    warnings.extend(operation_warnings.into_iter().map(ImportWarning::Operation));
 
     let manifest = Manifest {
         format: FORMAT,
@@ -149,6 +151,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         grid: plan.grid,
         height_rule: rule,
         sources: cache_key.records,
+        operations,
         footprints: report,
     };
     let text = toml::to_string_pretty(&manifest).map_err(|error| CityError::File {

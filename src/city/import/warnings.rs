@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::sources::Sources;
 use crate::city::CityError;
 use crate::source::{SourceRole, SteppedHeights};
-use crate::space::{Bounds, Crs, Place};
+use crate::space::{Bounds, Crs, OperationWarning, Place};
 
 /// Something that the user should know.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +43,8 @@ pub enum ImportWarning {
         /// Whether they are kept as they are.
         kept: bool,
     },
+    /// Coordinates may lie off by more than they need.
+    Operation(OperationWarning),
     /// No field was named and none has a known name.
     NoHeights {
         /// The height that every building gets, metres.
@@ -95,6 +97,7 @@ impl fmt::Display for ImportWarning {
                     write!(f, "smoothed within {} m", 0.5 * stepped.step_m)
                 }
             }
+            Self::Operation(warning) => warning.fmt(f),
             Self::NoHeights { default_height_m, .. } => write!(
                 f,
                 "no field of a known name gives heights: every building is {default_height_m} m high"

@@ -12,7 +12,7 @@ use super::mosaic_source::MosaicSource;
 use super::sampler::MosaicSampler;
 use super::smoothing::Smoothing;
 use crate::source::{CrsChoice, SourceError, SourceRole};
-use crate::space::{Bounds, Crs, PointTransform};
+use crate::space::{Bounds, Crs, GeoArea};
 
 /// Terrain rasters, finest pixels first; where several cover a point the first that knows it counts.
 #[derive(Clone, Debug)]
@@ -65,6 +65,11 @@ impl Dtm {
     /// The CRS of the finest file.
     pub fn crs(&self) -> &Crs {
         &self.sources[0].crs
+    }
+
+    /// The CRS of every mosaic source, finest first.
+    pub fn all_crs(&self) -> impl Iterator<Item = &Crs> {
+        self.sources.iter().map(|mosaic| &mosaic.crs)
     }
 
     /// Side of the finest pixel, metres.
@@ -137,14 +142,15 @@ impl Dtm {
             .map(|file| file.path.as_path())
     }
 
-    /// Longitude and latitude of the finest mosaic source's centre, degrees.
-    pub fn centre_on_globe(&self) -> Result<DVec2, SourceError> {
+    /// Where on the globe the finest mosaic source lies.
+    pub fn area_on_globe(&self) -> Result<GeoArea, SourceError> {
         let mosaic = &self.sources[0];
-        let crs_error = |source| mosaic.crs_error(source);
-        let globe = Crs::from_text("EPSG:4326").map_err(crs_error)?;
-        PointTransform::new(&mosaic.crs, &globe)
-            .map_err(crs_error)?
-            .point(mosaic.bounds.centre())
+        let (west, south) = (mosaic.bounds.west, mosaic.bounds.south);
+        let (east, north) = (mosaic.bounds.east, mosaic.bounds.north);
+        mosaic
+            .crs
+            .area_on_globe(DVec2::new(west, south), DVec2::new(east, north))
+            .map_err(|source| mosaic.crs_error(source))?
             .ok_or_else(|| SourceError::WrongCrs {
                 path: mosaic.files[0].path.clone(),
                 role: SourceRole::Terrain,

@@ -75,17 +75,12 @@ impl MosaicSource {
         let unit = metres_per_unit
             .or_else(|| metres_of_unit(&band.unit()))
             .or(crs.metres_per_height_unit());
-        let reference = crs.reference().map_err(|source| SourceError::Crs {
-            path: path.to_owned(),
-            source,
-        })?;
-        let in_metres = !reference.is_projected() || (reference.linear_units() - 1.0).abs() < 1e-9;
         let mut mosaic = Self {
             files: vec![MosaicFile {
                 path: path.to_owned(),
                 first: [0, 0],
                 size: [width, height],
-                unit_unspecified: unit.is_none() && !in_metres,
+                unit_unspecified: unit.is_none() && crs.has_non_metric_lengths(),
             }],
             crs,
             pixel_from_ground,
@@ -96,7 +91,7 @@ impl MosaicSource {
             bounds: Bounds::EMPTY,
             smoothing: None,
         };
-        mosaic.measure()?;
+        mosaic.measure();
         Ok(mosaic)
     }
 
@@ -108,7 +103,7 @@ impl MosaicSource {
     }
 
     /// The rectangle of the pixels, and the side of a pixel in metres at the centre.
-    fn measure(&mut self) -> Result<(), SourceError> {
+    fn measure(&mut self) {
         let [width, height] = self.size.map(|count| count as f64);
         self.bounds = Bounds::EMPTY;
         for (column, row) in [(0.0, 0.0), (width, height)] {
@@ -118,16 +113,9 @@ impl MosaicSource {
         let (x0, y0) = self.ground_from_pixel.apply(0.5 * width, 0.5 * height);
         let (x1, y1) = self.ground_from_pixel.apply(0.5 * width + 1.0, 0.5 * height);
         let (x2, y2) = self.ground_from_pixel.apply(0.5 * width, 0.5 * height + 1.0);
-        let reference = self.crs.reference().map_err(|s| self.crs_error(s))?;
-        let scale = if reference.is_geographic() {
-            let metres = reference.semi_major().unwrap_or(6_378_137.0) * reference.angular_units();
-            DVec2::new(metres * (y0 * reference.angular_units()).cos(), metres)
-        } else {
-            DVec2::splat(reference.linear_units())
-        };
+        let scale = self.crs.metres_per_unit_at(DVec2::new(x0, y0));
         let side = |x: f64, y: f64| (DVec2::new(x - x0, y - y0) * scale).length();
         self.pixel_m = side(x1, y1).min(side(x2, y2));
-        Ok(())
     }
 
     /// Where the pixel centres lie, when that is a lattice of the city.
@@ -187,7 +175,8 @@ impl MosaicSource {
         self.ground_from_pixel[0] = ax - grow[0] as f64 * adx;
         self.ground_from_pixel[3] = ay - grow[1] as f64 * ady;
         self.pixel_from_ground = self.ground_from_pixel.invert().map_err(|e| self.read_error(&e))?;
-        self.measure()
+        self.measure();
+        Ok(())
     }
 
     fn read_error(&self, error: &gdal::errors::GdalError) -> SourceError {

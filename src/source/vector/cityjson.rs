@@ -17,7 +17,7 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::source::SourceError;
+use crate::source::{SourceError, gdal_reference};
 use crate::space::Crs;
 
 /// The field that holds a CityJSON building's own height, metres.
@@ -190,7 +190,7 @@ fn layer_of(city: &CityJson, crs: Option<&Crs>) -> Result<Dataset, gdal::errors:
     let driver =
         DriverManager::get_driver_by_name("Memory").or_else(|_| DriverManager::get_driver_by_name("MEM"))?;
     let mut dataset = driver.create_vector_only("cityjson")?;
-    let srs = crs.and_then(|crs| crs.reference().ok());
+    let srs = crs.and_then(|crs| gdal_reference(crs).ok());
     let layer = dataset.create_layer(LayerOptions {
         name: "buildings",
         srs: srs.as_ref(),

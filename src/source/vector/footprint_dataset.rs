@@ -8,7 +8,7 @@ use geo::MultiPolygon;
 
 use super::FootprintSource;
 use super::feature::wkb_of;
-use crate::source::{Footprint, HeightRule, SourceError, gdal_says};
+use crate::source::{Footprint, HeightRule, SourceError, gdal_reference, gdal_says};
 use crate::space::Crs;
 
 /// Name of the one layer.
@@ -60,7 +60,7 @@ impl FootprintDatasetWriter {
         let create = || -> Result<Dataset, gdal::errors::GdalError> {
             let driver = DriverManager::get_driver_by_name("GPKG")?;
             let mut dataset = driver.create_vector_only(path)?;
-            let srs = crs.reference().ok();
+            let srs = gdal_reference(crs).ok();
             dataset.create_layer(LayerOptions {
                 name: LAYER,
                 srs: srs.as_ref(),

@@ -7,8 +7,8 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use glam::DVec2;
 
 use super::cityjson;
-use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
-use crate::space::{Crs, PointTransform};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_reference, gdal_says};
+use crate::space::{Crs, GeoArea};
 
 /// One layer of a vector file.
 pub struct FootprintSource {
@@ -61,7 +61,7 @@ impl FootprintSource {
         };
         source.pick_layer(layer)?;
         let own = match cityjson_crs {
-            Some(crs) => crs.reference().ok(),
+            Some(crs) => gdal_reference(&crs).ok(),
             None => source.layer()?.spatial_ref(),
         };
         source.crs = choice.of_file(path, own, SourceRole::Footprints)?;
@@ -98,15 +98,19 @@ impl FootprintSource {
         &self.path
     }
 
-    /// Longitude and latitude of the centre of the layer's extent, degrees; none when OGR does not know it.
-    pub fn centre_on_globe(&self) -> Option<DVec2> {
+    /// The CRS of the file's coordinates.
+    pub fn crs(&self) -> &Crs {
+        &self.crs
+    }
+
+    /// Where on the globe the layer's extent lies; none when OGR does not know it.
+    pub fn area_on_globe(&self) -> Option<GeoArea> {
         let extent = self.layer().ok()?.try_get_extent().ok()??;
-        let centre = DVec2::new(
-            0.5 * (extent.MinX + extent.MaxX),
-            0.5 * (extent.MinY + extent.MaxY),
+        let (min, max) = (
+            DVec2::new(extent.MinX, extent.MinY),
+            DVec2::new(extent.MaxX, extent.MaxY),
         );
-        let globe = Crs::from_text("EPSG:4326").ok()?;
-        PointTransform::new(&self.crs, &globe).ok()?.point(centre)
+        self.crs.area_on_globe(min, max).ok()?
     }
 
     /// Names of the layer's attributes.
