@@ -40,6 +40,8 @@ pub struct ToneMap {
 
 struct Image {
     target: Target,
+    /// The same texels as codes, which is how a user interface takes them.
+    codes: wgpu::TextureView,
     /// For either sum.
     inputs: [wgpu::BindGroup; 2],
 }
@@ -49,6 +51,8 @@ impl ToneMap {
     pub const INPUT: [wgpu::BindingType; 3] = [texture(FLOAT), UNIFORM, texture(FLOAT)];
     /// Format of the image.
     const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+    /// The same, read without decoding.
+    const CODES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Self {
@@ -74,15 +78,27 @@ impl ToneMap {
             let resources = [sum.binding(), self.exposure.binding(), flare.binding()];
             gpu.group("tone map", &self.layout, &resources)
         };
+        let target = Target::with_views(gpu, "image", size, Self::FORMAT, &[Self::CODES]);
+        let codes = target.texture.create_view(&wgpu::TextureViewDescriptor {
+            format: Some(Self::CODES),
+            usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
+            ..Default::default()
+        });
         self.image = Some(Image {
             inputs: [input(&sums[0]), input(&sums[1])],
-            target: Target::new(gpu, "image", size, Self::FORMAT),
+            target,
+            codes,
         });
     }
 
     /// The image, RGBA sRGB; none before the first size.
     pub fn image(&self) -> Option<&Target> {
         self.image.as_ref().map(|image| &image.target)
+    }
+
+    /// The image's sRGB codes, undecoded; none before the first size.
+    pub fn display_view(&self) -> Option<&wgpu::TextureView> {
+        self.image.as_ref().map(|image| &image.codes)
     }
 
     /// Draws the image of `samples` samples.

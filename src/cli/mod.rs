@@ -16,6 +16,7 @@ mod bench;
 mod bench_flare;
 mod camera_flags;
 mod flare_flags;
+mod fly;
 mod import;
 mod import_report;
 mod info;
@@ -51,6 +52,9 @@ pub enum CommandError {
     /// The sun could not be placed.
     #[error(transparent)]
     Sun(#[from] crate::space::SunError),
+    /// The window could not be opened.
+    #[error(transparent)]
+    Viewer(#[from] crate::viewer::ViewerError),
     /// A lens could not be read.
     #[error(transparent)]
     Lens(#[from] crate::camera::lens::LensError),
@@ -99,6 +103,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Sample(args) => sample::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Fly(args) => fly::run(&args),
         Command::Lens(command) => lens::run(command),
         Command::Bench(args) => bench::run(&args),
     }

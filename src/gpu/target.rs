@@ -13,6 +13,17 @@ pub struct Target {
 impl Target {
     /// A target of `size` pixels.
     pub fn new(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> Self {
+        Self::with_views(gpu, label, size, format, &[])
+    }
+
+    /// The same, whose texels can also be viewed in other formats.
+    pub fn with_views(
+        gpu: &Gpu,
+        label: &str,
+        size: [u32; 2],
+        format: wgpu::TextureFormat,
+        view_formats: &[wgpu::TextureFormat],
+    ) -> Self {
         gpu.count_creation();
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
@@ -28,7 +39,7 @@ impl Target {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT
                 | wgpu::TextureUsages::TEXTURE_BINDING
                 | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
+            view_formats,
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Self { texture, view }

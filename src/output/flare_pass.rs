@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{FrameRequest, RenderError, Renderer};
 use crate::camera::flare::{
-    Aperture, FlareEffect, FlareRequest, GhostParameters, StarburstParameters, TableFile,
+    Aperture, FlareEffect, FlareRequest, GhostParameters, Preset, StarburstParameters, TableFile,
 };
 use crate::gpu::{Gpu, Target};
 
@@ -19,6 +19,18 @@ pub struct FlareSettings {
     pub starburst: StarburstParameters,
     /// Ghosts made beforehand for the same lens and f-number.
     pub table: Option<Arc<TableFile>>,
+}
+
+impl FlareSettings {
+    /// All ghosts and the starburst, as a preset makes them.
+    pub fn from_preset(preset: Preset, aperture: Aperture) -> Self {
+        Self {
+            aperture,
+            ghosts: Some(preset.ghosts()),
+            starburst: preset.starburst(),
+            table: None,
+        }
+    }
 }
 
 /// The flare of the camera's lens.

@@ -95,6 +95,11 @@ impl Renderer {
         self.tone_map.image()
     }
 
+    /// The image's sRGB codes as a user interface takes them; none before the first frame.
+    pub fn display_view(&self) -> Option<&wgpu::TextureView> {
+        self.tone_map.display_view()
+    }
+
     /// GPU milliseconds of the last frame's passes, where the device can time. Waits for the device.
     ///
     /// # Errors

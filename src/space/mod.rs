@@ -13,5 +13,5 @@ pub use bounds::Bounds;
 pub use crs::{Accuracy, Crs, CrsError, GeoArea, MissingGrids, Operation, OperationWarning, PointTransform};
 pub use pose::{Pose, Projection};
 pub use sun::{SOLAR_ANGULAR_RADIUS, Sun};
-pub use sun_position::{Place, SunError, sun_direction_in_world};
+pub use sun_position::{Place, SunError, sun_direction_at, sun_direction_in_world};
 pub use tile_grid::{TileGrid, TileId};

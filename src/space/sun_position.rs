@@ -43,8 +43,16 @@ pub fn sun_direction_in_world(time: &str, place: Place) -> Result<DVec3, SunErro
         text: time.to_owned(),
         why: error.to_string(),
     })?;
+    sun_direction_at(instant, place)
+}
+
+/// The same at an instant.
+///
+/// # Errors
+/// When its year is too far away.
+pub fn sun_direction_at(instant: jiff::Timestamp, place: Place) -> Result<DVec3, SunError> {
     let position_error = |why: String| SunError::Position {
-        text: time.to_owned(),
+        text: instant.to_string(),
         why,
     };
     let utc = instant.to_zoned(jiff::tz::TimeZone::UTC);
