@@ -7,5 +7,10 @@ fn main() -> std::process::ExitCode {
         // SAFETY: no other thread runs yet.
         unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) };
     }
+    // PROJ loads missing grids from the net only for a user who asks for it by this variable.
+    if std::env::var_os("PROJ_NETWORK").is_none() {
+        // SAFETY: no other thread runs yet.
+        unsafe { std::env::set_var("PROJ_NETWORK", "OFF") };
+    }
     rilievo::cli::main()
 }

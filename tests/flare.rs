@@ -6,7 +6,7 @@ mod support;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use num_complex::Complex64;
 use rilievo::camera::flare::{
     Aperture, Blend, CacheFills, Diffraction, Fit, FlareEffect, FlareImage, FlareImager, FlareLight,
@@ -16,13 +16,12 @@ use rilievo::camera::flare::{
 };
 use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
 use rilievo::camera::{
-    Paraxial, Tracer, auto_exposure, beam_direction, shoulder, single_crossing_ghosts, srgb, tone_curve,
-    tone_mapped,
+    Paraxial, START_COMPRESSION, Tracer, auto_exposure, beam_direction, shoulder, single_crossing_ghosts,
+    srgb, tone_curve, tone_mapped,
 };
-use rilievo::city::City;
 use rilievo::gpu::{Gpu, Target, read_buffer, read_texture};
 use rilievo::output::write_png;
-use rilievo::relief::{CpuMap, SUN_RADIUS, sun_visibility};
+use rilievo::space::SOLAR_ANGULAR_RADIUS;
 
 const CIRCLE: Aperture = Aperture {
     blades: 0,
@@ -579,52 +578,6 @@ fn the_effective_pupil_changes_nothing_but_the_work() {
     }
 }
 
-/// As the sun rises over a roof its visible share grows monotonically, and never at once.
-#[test]
-fn the_sun_fades_softly_behind_a_roof() {
-    let city = City::open(&support::sample().join("city")).unwrap();
-    let map = CpuMap::new(&city, 1000.0);
-    let (_, eye, _) = support::VIEWS[0];
-    let eye = DVec3::from_array(eye);
-    let mut swept = 0;
-    for azimuth_deg in [0.0_f64, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0] {
-        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-        let share = |altitude: f64| {
-            let to_sun = DVec3::new(sin * altitude.cos(), cos * altitude.cos(), altitude.sin());
-            sun_visibility(&city, &map, eye, to_sun).unwrap()
-        };
-        let (mut low, mut high) = (0.0, 1.3);
-        if share(low) > 0.0 || share(high) < 1.0 {
-            continue;
-        }
-        while high - low > 1e-4 {
-            let centre = 0.5 * (low + high);
-            if share(centre) > 0.5 {
-                high = centre
-            } else {
-                low = centre
-            }
-        }
-        // Sixteen frames from just hidden to just free.
-        let frames: Vec<f64> = (0..=16)
-            .map(|frame| share(low + 1.15 * SUN_RADIUS * (f64::from(frame) / 8.0 - 1.0)))
-            .collect();
-        // A clean edge: another roof above or beside it makes a sweep of its own.
-        if frames[0] > 0.01 || frames[16] < 0.99 {
-            continue;
-        }
-        for pair in frames.windows(2) {
-            let step = pair[1] - pair[0];
-            assert!(
-                (-1e-9..=0.15).contains(&step),
-                "azimuth {azimuth_deg}: {frames:?}"
-            );
-        }
-        swept += 1;
-    }
-    assert!(swept >= 2, "the eye sees no roof's edge");
-}
-
 #[test]
 fn a_spectrum_adds_up_to_white() {
     for count in [3, 7, 15, 31] {
@@ -648,7 +601,7 @@ fn a_flare_is_made_once() {
             transform_size: 256,
         }),
         light: FlareLight {
-            angular_radius: SUN_RADIUS,
+            angular_radius: SOLAR_ANGULAR_RADIUS,
             ..FlareLight::point(0.1, 0.5)
         },
         ..request(&lens, 0.0, 8.0, ghosts(FlareMode::Blended, 8))
@@ -775,7 +728,7 @@ fn the_tone_curve_is_the_same_on_both_sides() {
         .chain([-1.0, 0.0, 0.759_999, 0.76, 0.760_001, 1.0, 65504.0])
         .collect();
     let text = format!(
-        "{}\n@group(0) @binding(0) var<storage, read_write> values: array<f32>;\n\
+        "const START_COMPRESSION = {START_COMPRESSION:?}f;\n{}\n@group(0) @binding(0) var<storage, read_write> values: array<f32>;\n\
          @compute @workgroup_size(64) fn cs(@builtin(global_invocation_id) id: vec3<u32>) {{\n\
          if id.x < arrayLength(&values) {{ values[id.x] = tone_curve(vec3<f32>(values[id.x])).y; }} }}",
         include_str!("../shaders/lib/tone_curve.wgsl")

@@ -20,7 +20,7 @@ struct Bundle {
 // Bundle after bundle, row by row.
 @group(0) @binding(4) var<storage, read_write> rays: array<TracedRay>;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn cs(@builtin(global_invocation_id) id: vec3<u32>) {
     let bundle = bundles[id.y];
     let rays_each = bundle.size * bundle.size;

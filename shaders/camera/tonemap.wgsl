@@ -5,8 +5,7 @@ struct Exposure {
     scale: f32,
     // Factor of the flare, which is no sum.
     flare_scale: f32,
-    padding_b: f32,
-    padding_c: f32,
+    padding: vec2<f32>,
 }
 
 @group(0) @binding(0) var sum: texture_2d<f32>;

@@ -4,8 +4,6 @@
 // drown the shade of streets. And it scales all channels by the brightest one's compression, so that red light added to a blue
 // sky lowers green and blue: here each channel has the curve to itself, and added light darkens nothing.
 
-const START_COMPRESSION: f32 = 0.76;
-
 fn shoulder(value: f32) -> f32 {
     let c = max(value, 0.0);
     if c < START_COMPRESSION { return c; }

@@ -34,10 +34,6 @@ struct TracedRay {
     padding: u32,
 }
 
-const REFLECTS: u32 = 1u;
-const STOP: u32 = 2u;
-const LOST: f32 = -1.0;
-
 @group(0) @binding(0) var<storage, read> interfaces: array<Interface>;
 // Index, thickness in micrometres.
 @group(0) @binding(1) var<storage, read> films: array<vec2<f32>>;

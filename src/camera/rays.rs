@@ -9,7 +9,7 @@ use super::lens::Lens;
 use super::path::{Ghost, path};
 use super::shaders::RAYS;
 use super::trace::TracedRay;
-use crate::gpu::{Gpu, GpuError, read_buffer, shader_module, storage_buffer};
+use crate::gpu::{Gpu, GpuError, OUTPUT, RECORDS, empty_buffer, read_buffer, shader_module, storage_buffer};
 
 /// A grid of rays to trace.
 #[derive(Clone, Copy, Debug)]
@@ -74,35 +74,34 @@ pub struct RayRecord {
     pub padding: u32,
 }
 
-const REFLECTS: u32 = 1;
-const STOP: u32 = 2;
+/// Flags of an interface: light is reflected there; it is the stop.
+pub const REFLECTS: u32 = 1;
+/// See `REFLECTS`.
+pub const STOP: u32 = 2;
+/// Power of a ray that does not arrive.
+pub const LOST: f32 = -1.0;
 /// Clear radius of a surface without one, millimetres.
 const OPEN_MM: f32 = 1e30;
-/// Rays of a workgroup; the shader's `workgroup_size`.
-const WORKGROUP: u32 = 64;
+/// Rays of a workgroup.
+pub const WORKGROUP: u32 = 64;
 /// Most bytes of rays at a time.
 const MAX_BYTES: u64 = 64 << 20;
 
 /// The pipeline.
 pub struct RayPass {
     pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
 }
 
 impl RayPass {
     /// Compiles the shader.
     pub fn new(gpu: &Gpu) -> Self {
         let module = shader_module(gpu, &RAYS);
-        let pipeline = gpu
-            .device
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("rays"),
-                layout: None,
-                module: &module,
-                entry_point: Some("cs"),
-                compilation_options: Default::default(),
-                cache: None,
-            });
-        Self { pipeline }
+        let layout = gpu.layout("rays", &[RECORDS, RECORDS, RECORDS, RECORDS, OUTPUT]);
+        Self {
+            pipeline: gpu.compute_pipeline("rays", &module, &layout),
+            layout,
+        }
     }
 
     /// Traces every bundle on a grid of `size` x `size` rays; row by row, none for a lost ray.
@@ -159,12 +158,8 @@ impl RayPass {
             })
             .collect();
         let bytes = (bundles.len() * size * size * size_of::<RayRecord>()) as u64;
-        let rays = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("rays"),
-            size: bytes,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let rays = empty_buffer(gpu, "rays", bytes, usage);
         let buffers = [
             storage_buffer(gpu, "interfaces", &paths.interfaces)?,
             storage_buffer(gpu, "films", &paths.films)?,
@@ -172,18 +167,8 @@ impl RayPass {
             storage_buffer(gpu, "bundles", &records)?,
             rays,
         ];
-        let entries: Vec<_> = (0..)
-            .zip(&buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("rays"),
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
+        let resources = buffers.each_ref().map(wgpu::Buffer::as_entire_binding);
+        let group = gpu.group("rays", &self.layout, &resources);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);

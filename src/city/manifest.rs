@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::source::{FootprintReport, HeightRule};
-use crate::space::{Place, TileGrid};
+use crate::space::{Accuracy, Crs, Operation, Place, TileGrid};
 
 /// Version of the folder's layout; a reader refuses others.
 pub const FORMAT: u32 = 1;
@@ -61,6 +61,9 @@ pub struct Manifest {
     pub height_rule: HeightRule,
     /// The files it was made from.
     pub sources: Vec<SourceRecord>,
+    /// How the sources' coordinates came into the city's CRS; empty in cities of older versions.
+    #[serde(default)]
+    pub operations: Vec<OperationRecord>,
     /// What became of the footprints.
     pub footprints: FootprintReport,
 }
@@ -74,4 +77,43 @@ pub struct SourceRecord {
     pub path: String,
     /// Bytes.
     pub bytes: u64,
+}
+
+/// The coordinate operation of one kind of source.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OperationRecord {
+    /// `terrain`, `buildings` or `photo`.
+    pub role: String,
+    /// CRS of the source: `EPSG:n` or WKT.
+    pub from: String,
+    /// The operation in PROJ's words, `none` where the source is in the city's CRS.
+    pub operation: String,
+    /// How far it may be off, metres: 0 is exact, absent is unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy_m: Option<f64>,
+    /// True when one datum was taken for another, for want of a known shift.
+    pub ballpark: bool,
+}
+
+impl OperationRecord {
+    /// Of an operation from a source's CRS; none where it is the city's.
+    pub fn new(role: &str, from: &Crs, operation: Option<&Operation>) -> Self {
+        let accuracy = operation.map_or(Accuracy::Metres(0.0), |operation| operation.accuracy);
+        Self {
+            role: role.to_owned(),
+            from: from.label().to_owned(),
+            operation: operation.map_or("none".to_owned(), |operation| operation.name.clone()),
+            accuracy_m: accuracy.metres(),
+            ballpark: accuracy == Accuracy::Ballpark,
+        }
+    }
+
+    /// Its accuracy as a value.
+    pub fn accuracy(&self) -> Accuracy {
+        match self.accuracy_m {
+            _ if self.ballpark => Accuracy::Ballpark,
+            Some(metres) => Accuracy::Metres(metres),
+            None => Accuracy::Unknown,
+        }
+    }
 }

@@ -1,10 +1,14 @@
 //! Flags of a flare, shared by `render` and `lens flare`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::CommandError;
-use crate::camera::flare::{Blend, Fit, FlareMode, Preset, Quality, TableFile, open_table};
+use crate::camera::flare::{
+    Aperture, Blend, Fit, FlareMode, GhostParameters, Preset, Quality, TableFile, open_table,
+};
 use crate::camera::lens::Lens;
+use crate::output::FlareSettings;
 
 /// What of a nonlinear ghost is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -77,6 +81,30 @@ impl FlareFlags {
             )));
         }
         Ok(Some(table))
+    }
+
+    /// What a lens at an f-number adds to an image; without `ghosts` its starburst alone.
+    ///
+    /// # Errors
+    /// When the asked table does not fit.
+    pub fn settings(
+        &self,
+        lens: &Lens,
+        f_number: f64,
+        aperture: Aperture,
+        ghosts: bool,
+    ) -> Result<FlareSettings, CommandError> {
+        let preset = self.preset(Quality::High);
+        Ok(FlareSettings {
+            aperture,
+            ghosts: ghosts.then(|| GhostParameters {
+                blend: self.blend,
+                fit: self.fit(),
+                ..preset.ghosts()
+            }),
+            starburst: preset.starburst(),
+            table: self.table(lens, f_number)?.map(Arc::new),
+        })
     }
 
     /// The asked fits.

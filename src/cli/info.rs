@@ -44,6 +44,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
             "terrain_triangles": manifest.terrain_triangles,
             "grid_triangles": manifest.grid_triangles,
             "place": manifest.place,
+            "operations": manifest.operations,
             "footprints": manifest.footprints,
         });
         say!("{object}");
@@ -51,6 +52,17 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
     }
     say!("{}", manifest.name);
     say!("  CRS            {}", Crs::short_label(&manifest.crs));
+    for record in &manifest.operations {
+        let from = Crs::short_label(&record.from);
+        match record.operation.as_str() {
+            "none" => say!("  {:13}  in the city's CRS", record.role),
+            operation => say!(
+                "  {:13}  from {from}, {}: {operation}",
+                record.role,
+                record.accuracy()
+            ),
+        }
+    }
     say!(
         "  extent         {:.1} {:.1} {:.1} {:.1} (west south east north, {square_km:.2} km2)",
         bounds.west,
@@ -59,6 +71,10 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
         bounds.north
     );
     say!("  buildings      {}", manifest.buildings);
+    say!(
+        "  heights        {}",
+        super::import_report::heights(&manifest.footprints)
+    );
     say!(
         "  tiles          {} x {} of {} m",
         manifest.grid.columns,

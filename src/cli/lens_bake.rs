@@ -72,7 +72,7 @@ const IMAGE_RAYS: usize = 32;
 
 /// Bakes and writes.
 pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
-    super::render::require_folder(&args.out)?;
+    super::values::require_folder(&args.out)?;
     let lens = Arc::new(open(&args.lens)?);
     let table = match (&args.photos, args.two_angles, args.f_number) {
         (Some(list), _, _) => {

@@ -56,7 +56,7 @@ pub struct FlareArgs {
     #[arg(long, default_value_t = 8)]
     blades: u32,
     /// Image size, pixels.
-    #[arg(long, default_value = "960x640", value_parser = super::render::size)]
+    #[arg(long, default_value = "960x640", value_parser = super::values::size)]
     size: [u32; 2],
     /// The image to write. Its exposure is that of the paraxial flare, whatever the mode.
     #[arg(long)]
@@ -68,7 +68,7 @@ pub struct FlareArgs {
 
 /// Draws and writes.
 pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
-    super::render::require_folder(&args.out)?;
+    super::values::require_folder(&args.out)?;
     let lens = Arc::new(open(&args.lens)?);
     let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
     if args.angle.x.abs() >= 90.0 {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::CommandError;
 use crate::sample::write_sample;
+use crate::source::silence_gdal;
 
 /// Flags of `sample`.
 #[derive(Debug, clap::Args)]
@@ -14,6 +15,7 @@ pub struct SampleArgs {
 
 /// Writes the files and says how to import them.
 pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
+    silence_gdal();
     let files = write_sample(&args.dir).map_err(crate::city::CityError::from)?;
     let imagery: Vec<String> = files
         .imagery

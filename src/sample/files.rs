@@ -14,7 +14,7 @@ use super::features::SampleBuilding;
 use super::imagery::paint;
 use super::landscape::{HEIGHT_M, WIDTH_M, ground};
 use super::town::Town;
-use crate::source::SourceError;
+use crate::source::{SourceError, gdal_reference};
 use crate::space::Crs;
 
 /// The files written.
@@ -81,7 +81,7 @@ fn write_error(path: &Path) -> impl Fn(gdal::errors::GdalError) -> SourceError +
 
 fn crs() -> Result<gdal::spatial_ref::SpatialRef, SourceError> {
     Crs::from_text(CRS)
-        .and_then(|crs| crs.reference())
+        .and_then(|crs| gdal_reference(&crs))
         .map_err(|source| SourceError::Crs {
             path: PathBuf::from(CRS),
             source,

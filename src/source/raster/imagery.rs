@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gdal::raster::{Buffer, GdalDataType};
 use gdal::{Dataset, DriverManager};
 
-use crate::source::{CrsChoice, SourceError, gdal_says};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Imagery files, in the order given; later ones lie on top.
@@ -25,7 +25,9 @@ struct PhotoFile {
     is_paletted: bool,
     /// Value range that becomes 0..255, for orthophotos deeper than 8 bits.
     stretch: Option<[f64; 2]>,
-    assumed_srs: Option<String>,
+    crs: Crs,
+    /// The operation to the city's CRS as GDAL takes it; none where both are the same.
+    to_city: Option<String>,
 }
 
 impl Imagery {
@@ -36,6 +38,11 @@ impl Imagery {
             .map(|path| PhotoFile::open(path, choice, city))
             .collect::<Result<_, _>>()?;
         Ok(Self { files })
+    }
+
+    /// The CRS of every file.
+    pub fn all_crs(&self) -> impl Iterator<Item = &Crs> {
+        self.files.iter().map(|file| &file.crs)
     }
 
     /// Side of the finest orthophoto's pixel, metres.
@@ -80,10 +87,7 @@ impl PhotoFile {
             path: path.to_owned(),
             source,
         };
-        let own = dataset.spatial_ref().ok();
-        let named = own.is_some() && !choice.is_given();
-        let crs = choice.of_file(path, own, "--photo-crs")?;
-        let assumed_srs = (!named).then(|| crs.label().to_owned());
+        let crs = choice.of_file(path, dataset.spatial_ref().ok(), SourceRole::Imagery)?;
         let transform = dataset.geo_transform().map_err(|_| SourceError::Unfit {
             path: path.to_owned(),
             what: "has no georeference".to_owned(),
@@ -104,7 +108,7 @@ impl PhotoFile {
                 .is_ok_and(|band| band.color_table().is_some());
         let to_city = PointTransform::new(&crs, city).map_err(crs_error)?;
         let mut bounds = Bounds::EMPTY;
-        for step in 0..4 * 17 {
+        for step in 0..4 * 17_u32 {
             let (side, along) = (step % 4, f64::from(step / 4) / 16.0);
             let (u, v) = [(along, 0.0), (along, 1.0), (0.0, along), (1.0, along)][side as usize];
             let (column, row) = (u * width as f64, v * height as f64);
@@ -126,7 +130,10 @@ impl PhotoFile {
             bands,
             is_paletted,
             stretch,
-            assumed_srs,
+            to_city: to_city
+                .operation()
+                .map(|operation| operation.pipeline_in_axis_order.clone()),
+            crs,
         })
     }
 
@@ -167,8 +174,9 @@ impl PhotoFile {
             "cubic"
         };
         options.extend(["-r".into(), method.into()]);
-        if let Some(srs) = &self.assumed_srs {
-            options.extend(["-s_srs".into(), srs.clone()]);
+        options.extend(["-s_srs".into(), self.crs.label().into()]);
+        if let Some(operation) = &self.to_city {
+            options.extend(["-ct".into(), operation.clone()]);
         }
         let warped = warp(&source, &options).map_err(read_error)?;
         let band_count = warped.raster_count();

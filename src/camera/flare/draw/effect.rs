@@ -144,7 +144,7 @@ impl FlareEffect {
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("flare"),
-            color_attachments: &[target.kept()],
+            color_attachments: &[target.loaded()],
             timestamp_writes: timestamps,
             ..Default::default()
         });

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::resources::{Blending, Resources, buffer, filled_texture};
+use super::resources::{Blending, Resources};
 use crate::camera::flare::{Aperture, FlareMesh, FlareVertex};
 use crate::camera::shaders::FLARE;
-use crate::gpu::{Gpu, shader_module};
+use crate::gpu::{Gpu, Uniform, empty_buffer, filled_texture, shader_module};
 
 /// Layout of `FlareFrame` in `shaders/camera/flare.wgsl`, where each field is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -40,7 +40,7 @@ pub struct GhostLayer {
     added: wgpu::RenderPipeline,
     masks: wgpu::RenderPipeline,
     frame: Option<FlareFrame>,
-    uniform: wgpu::Buffer,
+    uniform: Uniform<FlareFrame>,
     group: Option<wgpu::BindGroup>,
     buffers: Vec<wgpu::Buffer>,
     draws: Vec<Draw>,
@@ -51,23 +51,18 @@ impl GhostLayer {
     pub fn new(gpu: &Gpu, resources: &Resources) -> Self {
         let module = shader_module(gpu, &FLARE);
         let attributes = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3, 4 => Float32];
-        let buffers = [Some(wgpu::VertexBufferLayout {
+        let buffers = [wgpu::VertexBufferLayout {
             array_stride: size_of::<FlareVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &attributes,
-        })];
+        }];
         let topology = wgpu::PrimitiveTopology::TriangleList;
         let pipeline = |blending| resources.pipeline(gpu, &module, &buffers, topology, blending);
         Self {
             added: pipeline(Blending::Added),
             masks: pipeline(Blending::Masks),
             frame: None,
-            uniform: buffer(
-                gpu,
-                "ghosts",
-                size_of::<FlareFrame>() as u64,
-                wgpu::BufferUsages::UNIFORM,
-            ),
+            uniform: Uniform::new(gpu, "ghosts"),
             group: None,
             buffers: Vec::new(),
             draws: Vec::new(),
@@ -79,7 +74,7 @@ impl GhostLayer {
         let texels = aperture.mask(MASK_SIZE, MASK_EXTENT);
         let format = wgpu::TextureFormat::R8Unorm;
         let mask = filled_texture(gpu, "aperture", [MASK_SIZE; 2], format, &texels);
-        self.group = Some(resources.group(gpu, &self.uniform, &mask));
+        self.group = Some(resources.group(gpu, self.uniform.binding(), &mask));
     }
 
     /// Says what the image spans to each side, millimetres, and the light's irradiance, linear sRGB. True when that is new.
@@ -94,8 +89,7 @@ impl GhostLayer {
         if self.frame == Some(frame) {
             return false;
         }
-        gpu.queue
-            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
+        self.uniform.write(gpu, &frame);
         self.frame = Some(frame);
         true
     }
@@ -137,7 +131,8 @@ impl GhostLayer {
                 continue;
             }
             let size = needed.next_power_of_two().min(capacity) as u64 * vertex_bytes;
-            let larger = buffer(gpu, "ghosts", size, wgpu::BufferUsages::VERTEX);
+            let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+            let larger = empty_buffer(gpu, "ghosts", size, usage);
             if index < self.buffers.len() {
                 self.buffers[index] = larger;
             } else {

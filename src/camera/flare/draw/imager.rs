@@ -30,7 +30,7 @@ impl<'a> FlareImager<'a> {
         Self {
             gpu,
             effect: FlareEffect::new(gpu, FORMAT),
-            timer: PassTimer::new(gpu, 1),
+            timer: PassTimer::new(gpu, &["flare"]),
             target: None,
         }
     }
@@ -54,7 +54,7 @@ impl<'a> FlareImager<'a> {
             color_attachments: &[target.cleared(wgpu::Color::TRANSPARENT)],
             ..Default::default()
         }));
-        self.effect.encode(&mut encoder, target, self.timer.of_pass(0));
+        self.effect.encode(&mut encoder, target, self.timer.pass(0));
         self.timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
@@ -65,7 +65,7 @@ impl<'a> FlareImager<'a> {
                 .map(|texel| [texel[0], texel[1], texel[2]].map(|value| value.min(half::f16::MAX).to_f32()))
                 .collect(),
             mesh: self.effect.statistics(),
-            gpu_ms: self.timer.milliseconds(gpu)?.map(|spans| spans[0]),
+            gpu_ms: self.timer.read(gpu)?.map(|times| times[0].1),
         })
     }
 }

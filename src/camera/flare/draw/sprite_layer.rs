@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::resources::{Blending, Resources, buffer, filled_texture};
+use super::resources::{Blending, Resources};
 use crate::camera::shaders::SPRITE;
-use crate::gpu::{Gpu, shader_module};
+use crate::gpu::{Gpu, Uniform, filled_texture, shader_module};
 
 /// Layout of `SpriteFrame` in `shaders/camera/sprite.wgsl`, where each field is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -33,7 +33,7 @@ pub fn sprite_pipeline(gpu: &Gpu, resources: &Resources) -> wgpu::RenderPipeline
 /// One image on the device.
 pub struct Sprite {
     frame: Option<SpriteFrame>,
-    uniform: wgpu::Buffer,
+    uniform: Uniform<SpriteFrame>,
     group: wgpu::BindGroup,
     /// The image's brightest value. Half floats hold five digits: the texture goes up to 1, its scale into the frame's
     /// factor.
@@ -52,15 +52,10 @@ impl Sprite {
             .map(|rgb| [rgb[0] / peak, rgb[1] / peak, rgb[2] / peak, 0.0].map(half::f16::from_f32))
             .collect();
         let image = filled_texture(gpu, "sprite", size, wgpu::TextureFormat::Rgba16Float, &texels);
-        let uniform = buffer(
-            gpu,
-            "sprite",
-            size_of::<SpriteFrame>() as u64,
-            wgpu::BufferUsages::UNIFORM,
-        );
+        let uniform = Uniform::new(gpu, "sprite");
         Self {
             frame: None,
-            group: resources.group(gpu, &uniform, &image),
+            group: resources.group(gpu, uniform.binding(), &image),
             uniform,
             peak,
         }
@@ -76,8 +71,7 @@ impl Sprite {
         if self.frame == Some(frame) {
             return false;
         }
-        gpu.queue
-            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
+        self.uniform.write(gpu, &frame);
         self.frame = Some(frame);
         true
     }

@@ -79,8 +79,8 @@ pub fn table_from_photos(
             }
             let half_width = 0.5 * film_width_mm;
             let half_mm = [half_width, half_width * f64::from(size[1]) / f64::from(size[0])];
-            let [angle, azimuth] = [row.theta_deg, row.phi_deg].map(f64::to_radians);
-            Ok(LightImage::new(angle, azimuth, &light, size, half_mm))
+            let [angle, turn] = [row.theta_deg, row.phi_deg].map(f64::to_radians);
+            Ok(LightImage::new(angle, turn, &light, size, half_mm))
         })
         .collect::<Result<Vec<_>, _>>()?;
     let table = ImageTable::new(images, with_linear, None);
@@ -90,7 +90,7 @@ pub fn table_from_photos(
     if !table.is_sound() {
         return Err(unfit(
             list,
-            "gives values that are no light; check the radiance of their white".to_owned(),
+            "gives values that are no light; check the radiance of white".to_owned(),
         ));
     }
     Ok(table)
