@@ -108,7 +108,7 @@ fn border_vertices(tile: &HeightTile, tolerance_m: f32) -> Vec<(usize, usize)> {
             .collect();
         profile_vertices(&heights, tolerance_m)
             .into_iter()
-            .map(|k| at(k))
+            .map(at)
             .map(|(i, j)| (i * parts, j * parts))
             .collect()
     };

@@ -6,6 +6,7 @@ mod imagery;
 mod mosaic_source;
 mod sampler;
 mod smoothing;
+mod smoothing_grid;
 mod window;
 
 pub use dtm::{Dtm, DtmSampler, SampleLattice, SteppedHeights};
