@@ -16,6 +16,4 @@ pub use readback::{read_buffer, read_texture};
 pub use shader::{Constant, ConstantValue, ShaderFile, ShaderSource, shader_module};
 pub use target::{Target, color_target};
 pub use timing::{PassTimer, PassTimes};
-pub use upload::{
-    TextureArray, Uniform, empty_buffer, filled_texture, geometry_buffer, storage_buffer, uniform_buffer,
-};
+pub use upload::{TextureArray, Uniform, empty_buffer, filled_texture, geometry_buffer, storage_buffer};

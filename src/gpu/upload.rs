@@ -186,9 +186,3 @@ impl TextureArray {
         );
     }
 }
-
-/// A uniform buffer.
-pub fn uniform_buffer<T: bytemuck::NoUninit>(gpu: &Gpu, label: &str, value: &T) -> wgpu::Buffer {
-    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-    filled_buffer(gpu, label, bytemuck::bytes_of(value), usage)
-}

@@ -31,6 +31,8 @@ pub struct Hit {
     pub along_m: f32,
     /// Id of the building.
     pub fid: u32,
+    /// Outward normal of the wall, a unit vector in plan; none for a roof.
+    pub wall_normal: Option<Vec2>,
 }
 
 /// What is seen along a ray.
@@ -141,6 +143,7 @@ fn visit_cell(
                                     edge: Some(edge),
                                     along_m: map.vertices[edge as usize].along_m + u * along.length(),
                                     fid: record.fid,
+                                    wall_normal: Some(Vec2::new(along.y, -along.x).normalize()),
                                 });
                             }
                         }
@@ -171,6 +174,7 @@ fn visit_cell(
                 edge: None,
                 along_m: 0.0,
                 fid: record.fid,
+                wall_normal: None,
             });
         }
     }

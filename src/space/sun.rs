@@ -13,9 +13,9 @@ pub const SOLAR_ANGULAR_RADIUS: f64 = 695_700.0 / 149_597_870.7;
 
 /// Irradiance of a high sun on a surface facing it, linear sRGB. The unit is the image's: white plaster in full sun comes near
 /// 1 after tone mapping. Plausible, not measured: an atmosphere model can take the place of both colours.
-const HIGH_SUN: DVec3 = dvec3(3.83, 3.58, 3.14);
+const HIGH_SUN: DVec3 = dvec3(3.83, 3.58, 3.15);
 /// The same on the horizon, reddened by its long path through the air.
-const LOW_SUN: DVec3 = dvec3(4.02, 1.70, 0.565);
+const LOW_SUN: DVec3 = dvec3(4.021, 1.696, 0.565);
 /// Sine of the altitude above which the sun no longer reddens.
 const HIGH_SINE: f64 = 0.45;
 /// Sines of the altitudes between which the sun comes up: its disc, and what refraction lifts.

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 /// Resolution and samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Pace {
     /// Index into [`SCALES`] while the camera moves.
     coarse: usize,
@@ -32,17 +32,6 @@ pub const MAX_SAMPLES: u32 = 64;
 const BUDGET: Duration = Duration::from_millis(58);
 /// The camera rests when it has not moved for so long.
 const REST: Duration = Duration::from_millis(120);
-
-impl Default for Pace {
-    fn default() -> Self {
-        Self {
-            coarse: 0,
-            last_motion: None,
-            samples: 0,
-            is_coarse: false,
-        }
-    }
-}
 
 impl Pace {
     /// The camera, the sun or a setting changed.
