@@ -4,10 +4,10 @@
 //!
 //! ```text
 //! DTM, footprints, orthophotos ─▶ source ─▶ terrain ─┐
-//!                                └───▶ buildings ┴▶ city ─▶ scene ─▶ relief ─▶ camera ─▶ output ─▶ cli
+//!                                └───▶ buildings ┴▶ city ─▶ scene ─▶ relief ─▶ camera ─▶ output ─▶ viewer, cli
 //! ```
 
-/// Coordinate reference systems, bounds, the tile grid, the sun's direction and the camera pose.
+/// Coordinate reference systems, bounds, the tile grid, the sun and the camera pose.
 pub mod space;
 /// Device, shaders, targets, read-back, timing.
 pub mod gpu;
@@ -25,9 +25,11 @@ pub mod city;
 pub mod scene;
 /// Radiance, depth and ids from resident tiles, pose and sun.
 pub mod relief;
-/// The optics between radiance and the picture.
+/// The optics between radiance and the image.
 pub mod camera;
-/// Pictures out.
+/// Images out.
 pub mod output;
+/// The window.
+pub mod viewer;
 /// Commands: one file each.
 pub mod cli;

@@ -52,34 +52,72 @@ fn a_second_import_and_a_resumed_one_give_the_same_bytes() {
     succeed(&import_arguments(&files, &again));
     same(&sample().join("city"), &again);
 
-    // Kill an import as soon as some tiles are there, then run it again.
-    let resumed = folder.path().join("resumed");
-    let arguments = import_arguments(&files, &resumed);
-    let mut child = std::process::Command::new(support::PROGRAM)
-        .args(&arguments)
-        .stdout(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
-    let staging = folder.path().join("resumed.partial/terrain/0");
-    for _ in 0..2000 {
-        if fs::read_dir(&staging).is_ok_and(|entries| entries.count() > 3) {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert!(
-        !resumed.join("city.toml").exists(),
-        "the import was over before it could be killed"
-    );
-    succeed(&arguments);
-    same(&sample().join("city"), &resumed);
-    assert!(!folder.path().join("resumed.partial").exists());
-
     // Importing over a city replaces it.
+    succeed(&import_arguments(&files, &again));
+    same(&sample().join("city"), &again);
+}
+
+/// Killed by the system the moment a file grows beyond a size: in the terrain, in the footprint dataset, in the
+/// orthophotos, always at the same file, however fast the machine is.
+#[cfg(unix)]
+#[test]
+fn a_killed_import_is_resumed() {
+    use std::os::unix::process::ExitStatusExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let city = sample().join("city");
+    let sizes = |layer: &str| -> Vec<u64> {
+        let entries = fs::read_dir(city.join(layer)).unwrap();
+        let mut sizes: Vec<u64> = entries
+            .map(|entry| entry.unwrap().metadata().unwrap().len())
+            .collect();
+        sizes.sort_unstable();
+        sizes
+    };
+    let (terrain, imagery) = (sizes("terrain/0"), sizes("photo/0"));
+    let dataset = fs::metadata(city.join("buildings.gpkg")).unwrap().len();
+    let [terrain_max, imagery_max] = [&terrain, &imagery].map(|sizes| *sizes.last().unwrap());
+    let limits = [
+        terrain[terrain.len() / 2],
+        (terrain_max + dataset) / 2,
+        (dataset + imagery_max) / 2,
+    ];
+    assert!(
+        limits.is_sorted(),
+        "the sample's files do not tell the stages apart: {limits:?}"
+    );
+    let resumed = folder.path().join("resumed");
+    let arguments = import_arguments(&sample().join("files"), &resumed);
+    let staging = folder.path().join("resumed.partial");
+    let finished = |layer: &str| {
+        let entries = fs::read_dir(staging.join(layer)).unwrap();
+        let names = entries.map(|entry| entry.unwrap().path());
+        names
+            .filter(|path| path.extension().is_some_and(|extension| extension == "tif"))
+            .count()
+    };
+    for (stage, limit) in limits.iter().enumerate() {
+        // POSIX: the unit of `ulimit -f` is 512 bytes.
+        let killed = std::process::Command::new("sh")
+            .args(["-c", "ulimit -c 0; ulimit -f $0; exec \"$@\""])
+            .arg((limit / 512).to_string())
+            .arg(support::PROGRAM)
+            .args(&arguments)
+            .output()
+            .unwrap();
+        assert!(killed.status.signal().is_some(), "{limit}: {killed:?}");
+        assert!(!resumed.exists(), "{limit}: the city was put in place");
+        assert_eq!(
+            finished("terrain/0") == terrain.len(),
+            stage > 0,
+            "{limit}: all terrain"
+        );
+        assert_eq!(finished("buildings/0") > 0, stage > 1, "{limit}: buildings");
+        assert!(finished("photo/0") < imagery.len(), "{limit}: all orthophotos");
+    }
     succeed(&arguments);
-    same(&again, &resumed);
+    same(&city, &resumed);
+    assert!(!staging.exists());
 }
 
 #[test]

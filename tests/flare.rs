@@ -4,19 +4,24 @@
 mod support;
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use num_complex::Complex64;
 use rilievo::camera::flare::{
-    Aperture, Blend, Diffraction, Fit, FlareMode, FlareParameters, FlareSource, FlareTable, ImageTable,
-    Pattern, TableFile, fft_2d, flare_mesh, open_table, spectrum, table_from_photos, write_table,
+    Aperture, Blend, CacheFills, Diffraction, Fit, FlareEffect, FlareImage, FlareImager, FlareLight,
+    FlareMode, FlareParameters, FlareRequest, FlareSource, FlareTable, GhostParameters, ImageKnots, Quality,
+    StarburstParameters, TableFile, Tracing, bake_images, fft_2d, film_half_mm, flare_mesh, open_table,
+    spectrum, table_from_photos, write_table,
 };
 use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
-use rilievo::camera::{Ghost, Paraxial, Tracer, beam_direction};
-use rilievo::city::City;
-use rilievo::gpu::Gpu;
-use rilievo::output::{FlarePicture, FlareRenderer, auto_exposure, srgb, tone_mapped, write_png};
-use rilievo::relief::{CpuMap, SUN_RADIUS, sun_visibility};
+use rilievo::camera::{
+    Paraxial, START_COMPRESSION, Tracer, auto_exposure, beam_direction, shoulder, single_crossing_ghosts,
+    srgb, tone_curve, tone_mapped,
+};
+use rilievo::gpu::{Gpu, Target, read_buffer, read_texture};
+use rilievo::output::write_png;
+use rilievo::space::SOLAR_ANGULAR_RADIUS;
 
 const CIRCLE: Aperture = Aperture {
     blades: 0,
@@ -103,55 +108,40 @@ fn spikes_by_blades() {
     }
 }
 
-fn source(angle_deg: f64, f_number: f64, rays: usize) -> FlareSource {
-    FlareSource {
-        angle: angle_deg.to_radians(),
-        turn: 0.5,
-        irradiance: [1.0; 3],
-        f_number,
-        wavelengths: 3,
-        rays,
-        whole_entrance: false,
-    }
-}
-
 const SIZE: [u32; 2] = [240, 160];
 
-fn lens(name: &str) -> Lens {
-    built_in(name).unwrap().unwrap()
+fn lens(name: &str) -> Arc<Lens> {
+    Arc::new(built_in(name).unwrap().unwrap())
 }
 
-fn parameters<'a>(
-    renderer: &'a FlareRenderer<'_>,
-    lens: &'a Lens,
-    source: &FlareSource,
-    mode: FlareMode,
-) -> FlareParameters<'a> {
-    FlareParameters {
-        lens,
-        source: *source,
+fn ghosts(mode: FlareMode, rays: usize) -> GhostParameters {
+    GhostParameters {
         mode,
-        only: None,
-        pattern: Pattern::Whole,
-        table: None,
-        blend: Blend::Add,
-        fit: Fit::default(),
-        tracing: renderer.tracing(),
+        rays,
+        ..Quality::Medium.preset().ghosts()
     }
 }
 
-fn draw(gpu: &Gpu, name: &str, source: &FlareSource, mode: FlareMode, only: Option<Ghost>) -> FlarePicture {
-    let lens = lens(name);
-    let renderer = FlareRenderer::new(gpu, &Aperture::default());
-    let parameters = FlareParameters {
-        only,
-        ..parameters(&renderer, &lens, source, mode)
-    };
-    renderer.picture(&parameters, None, SIZE).unwrap()
+/// Ghosts alone of a point of light at an angle in degrees.
+fn request(lens: &Arc<Lens>, angle_deg: f64, f_number: f64, ghosts: GhostParameters) -> FlareRequest {
+    FlareRequest {
+        lens: Arc::clone(lens),
+        f_number,
+        aperture: Aperture::default(),
+        ghosts: Some(ghosts),
+        starburst: None,
+        table: None,
+        light: FlareLight::point(angle_deg.to_radians(), 0.5),
+        image_half_mm: film_half_mm(lens, SIZE),
+    }
+}
+
+fn draw(gpu: &Gpu, request: &FlareRequest) -> FlareImage {
+    FlareImager::new(gpu).draw(request, SIZE).unwrap()
 }
 
 /// How near two flares come in 8 bits at the exposure of the first, dB.
-fn nearness(reference: &FlarePicture, tested: &FlarePicture) -> f64 {
+fn nearness(reference: &FlareImage, tested: &FlareImage) -> f64 {
     let exposure = auto_exposure(&reference.radiance);
     psnr(
         &tone_mapped(&reference.radiance, exposure),
@@ -179,21 +169,21 @@ fn each_mode_comes_near_dense_exact_rays() {
         ("tessar", 12.0, 8.0, FlareMode::Blended, 44.0),
         ("angenieux", 5.0, 8.0, FlareMode::Blended, 44.0),
     ] {
-        let dense = draw(&gpu, name, &source(angle, f_number, 100), FlareMode::Exact, None);
-        let tested = draw(&gpu, name, &source(angle, f_number, 24), mode, None);
+        let lens = lens(name);
+        let drawn = |mode, rays| draw(&gpu, &request(&lens, angle, f_number, ghosts(mode, rays)));
+        let (dense, tested) = (drawn(FlareMode::Exact, 100), drawn(mode, 24));
         let near = nearness(&dense, &tested);
         println!("{name} {mode:?}: {near:.2} dB");
         assert!(near > least, "{name} {mode:?}: {near} dB");
     }
 }
 
-/// The table plays back what exact rays give, also between its angles and colours, and out of its file (KR 10-1658883 states
+/// The table gives back what exact rays give, also between its angles and colours, and out of its file (KR 10-1658883 states
 /// 26.91 dB).
 #[test]
 fn the_table_comes_near_dense_exact_rays() {
     let gpu = Gpu::open().unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let renderer = FlareRenderer::new(&gpu, &Aperture::default());
     let mut all = Vec::new();
     for name in ["heliar", "tessar", "angenieux"] {
         let lens = lens(name);
@@ -204,20 +194,15 @@ fn the_table_comes_near_dense_exact_rays() {
         let opened = open_table(&path, &lens, 8.0).unwrap();
         assert!(opened == baked);
         assert!(open_table(&path, &lens, 5.6).is_err(), "another f-number");
-        let TableFile::Rays(table) = &opened else {
-            panic!("rays")
-        };
+        let table = Arc::new(opened);
         for angle in [1.0, 6.0, 13.0] {
-            let dense = draw(&gpu, name, &source(angle, 8.0, 80), FlareMode::Exact, None);
-            let lit = source(angle, 8.0, 36);
-            let evaluated = FlareParameters {
-                table: Some(table),
-                ..parameters(&renderer, &lens, &lit, FlareMode::Blended)
+            let drawn = |mode, rays, table| {
+                let request = request(&lens, angle, 8.0, ghosts(mode, rays));
+                draw(&gpu, &FlareRequest { table, ..request })
             };
-            all.push(nearness(
-                &dense,
-                &renderer.picture(&evaluated, None, SIZE).unwrap(),
-            ));
+            let dense = drawn(FlareMode::Exact, 80, None);
+            let evaluated = drawn(FlareMode::Blended, 36, Some(Arc::clone(&table)));
+            all.push(nearness(&dense, &evaluated));
         }
     }
     println!("{all:.2?} dB");
@@ -257,8 +242,9 @@ fn damaged_tables_and_other_lenses_are_refused() {
 fn two_rays_draw_what_four_do() {
     let gpu = Gpu::open().unwrap();
     for name in ["heliar", "angenieux", "nikon"] {
+        let lens = lens(name);
         let [four, two] = [FlareMode::Paraxial, FlareMode::TwoRays]
-            .map(|mode| draw(&gpu, name, &source(4.0, 11.0, 2), mode, None));
+            .map(|mode| draw(&gpu, &request(&lens, 4.0, 11.0, ghosts(mode, 2))));
         let exposure = auto_exposure(&four.radiance);
         let (a, b) = (
             tone_mapped(&four.radiance, exposure),
@@ -274,9 +260,9 @@ fn two_rays_draw_what_four_do() {
 #[test]
 fn blends_pass_from_linear_to_nonlinear() {
     let gpu = Gpu::open().unwrap();
-    let renderer = FlareRenderer::new(&gpu, &Aperture::default());
+    let mut imager = FlareImager::new(&gpu);
     let lens = lens("angenieux");
-    let light_of = |picture: &FlarePicture| {
+    let light_of = |picture: &FlareImage| {
         picture
             .radiance
             .iter()
@@ -284,19 +270,18 @@ fn blends_pass_from_linear_to_nonlinear() {
             .map(|&v| f64::from(v))
             .sum::<f64>()
     };
-    let lit = source(8.0, 8.0, 24);
-    let with = |mode, blend, only| {
-        let parameters = FlareParameters {
+    let angle = 8_f64.to_radians();
+    let mut with = |mode, blend, only| {
+        let ghosts = GhostParameters {
             blend,
             only,
-            ..parameters(&renderer, &lens, &lit, mode)
+            ..ghosts(mode, 24)
         };
-        renderer.picture(&parameters, None, SIZE).unwrap()
+        imager.draw(&request(&lens, 8.0, 8.0, ghosts), SIZE).unwrap()
     };
     let mut between = 0;
-    for ghost in rilievo::camera::single_crossing_ghosts(&lens) {
-        let Some(nonlinearity_error) = rilievo::camera::flare::nonlinearity(&lens, ghost, lit.angle, 8.0)
-        else {
+    for ghost in single_crossing_ghosts(&lens) {
+        let Some(nonlinearity_error) = rilievo::camera::flare::nonlinearity(&lens, ghost, angle, 8.0) else {
             continue;
         };
         let [linear, nonlinear] = [FlareMode::Paraxial, FlareMode::Exact]
@@ -329,21 +314,26 @@ fn blends_pass_from_linear_to_nonlinear() {
 /// Fitted ghosts have their linear image's spread and light.
 #[test]
 fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
-    let gpu = Gpu::open().unwrap();
-    let renderer = FlareRenderer::new(&gpu, &CIRCLE);
     let lens = lens("heliar");
     let lit = FlareSource {
-        wavelengths: 3,
-        ..source(8.0, 8.0, 40)
+        angle: 8_f64.to_radians(),
+        azimuth: 0.5,
+        f_number: 8.0,
     };
     // Light, and its root mean square distance from its centre, over all triangles of the green channel.
     let moments = |mode, fit, ghost| {
-        let parameters = FlareParameters {
-            fit,
-            only: Some(ghost),
-            ..parameters(&renderer, &lens, &lit, mode)
-        };
-        let mesh = flare_mesh(&parameters).unwrap();
+        let mesh = flare_mesh(&FlareParameters {
+            lens: &lens,
+            source: lit,
+            ghosts: GhostParameters {
+                fit,
+                only: Some(ghost),
+                ..ghosts(mode, 40)
+            },
+            table: None,
+            tracing: Tracing::Cpu,
+        })
+        .unwrap();
         let (mut light, mut first, mut second) = (0.0, DVec2::ZERO, 0.0);
         for triangle in mesh
             .added
@@ -369,7 +359,7 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
     let gap = Paraxial::new(&lens, D_LINE_UM, None).sensor_gap_mm();
     let paraxial = Paraxial::new(&lens, 0.51, Some(gap));
     let mut fitted_ghosts = 0;
-    for ghost in rilievo::camera::single_crossing_ghosts(&lens) {
+    for ghost in single_crossing_ghosts(&lens) {
         let both = Fit {
             size: true,
             brightness: true,
@@ -414,29 +404,28 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
 
 /// Images over two angles give back what was baked there; photos too, and half way between two of them half of each.
 #[test]
-fn tables_of_images_play_what_was_recorded() {
+fn tables_of_images_give_what_was_recorded() {
     let gpu = Gpu::open().unwrap();
-    let renderer = FlareRenderer::new(&gpu, &Aperture::default());
+    let mut imager = FlareImager::new(&gpu);
     let lens = lens("tessar");
-    let lit = source(0.0, 8.0, 24);
-    let drawn = |angle: f64, turn: f64, pattern| {
-        let source = FlareSource { angle, turn, ..lit };
-        let parameters = FlareParameters {
-            pattern,
-            ..parameters(&renderer, &lens, &source, FlareMode::Blended)
-        };
-        (parameters, source)
+    let base = request(&lens, 0.0, 8.0, ghosts(FlareMode::Blended, 24));
+    let at = |angle: f64, azimuth: f64, table: Option<&Arc<TableFile>>| FlareRequest {
+        light: FlareLight::point(angle, azimuth),
+        table: table.cloned(),
+        ..base.clone()
     };
-    let (most, turns) = (0.3, 4);
-    let base = drawn(0.0, 0.0, Pattern::Nonlinear).0;
-    let table = renderer.bake_images(&base, most, [4, turns], 288).unwrap();
+    let knots = ImageKnots {
+        max_angle: 0.3,
+        angles: 4,
+        azimuths: 4,
+        size: 288,
+    };
+    let table = bake_images(&mut imager, &base, knots).unwrap();
     assert_eq!(table.len(), 16);
-    let (angle, turn) = (0.2, TAU / 4.0);
-    let whole = renderer
-        .picture(&drawn(angle, turn, Pattern::Whole).0, None, SIZE)
-        .unwrap();
-    let linear = drawn(angle, turn, Pattern::Linear).0;
-    let evaluated = renderer.picture(&linear, Some(&table), SIZE).unwrap();
+    let table = Arc::new(TableFile::Images(table));
+    let (angle, azimuth) = (0.2, TAU / 4.0);
+    let whole = imager.draw(&at(angle, azimuth, None), SIZE).unwrap();
+    let evaluated = imager.draw(&at(angle, azimuth, Some(&table)), SIZE).unwrap();
     let near = nearness(&whole, &evaluated);
     println!("images: {near:.2} dB");
     assert!(near > 44.0, "{near} dB");
@@ -446,17 +435,15 @@ fn tables_of_images_play_what_was_recorded() {
     let mut list = "file,theta_deg\n".to_owned();
     let mut shots = Vec::new();
     for degrees in [6.0_f64, 10.0] {
-        let picture = renderer
-            .picture(&drawn(degrees.to_radians(), 0.0, Pattern::Whole).0, None, SIZE)
-            .unwrap();
+        let image = imager.draw(&at(degrees.to_radians(), 0.0, None), SIZE).unwrap();
         let exposure = 0.5
-            / picture
+            / image
                 .radiance
                 .iter()
                 .flatten()
                 .fold(0.0_f32, |most, &v| most.max(v));
         let name = format!("{degrees}.png");
-        let photo: Vec<u8> = picture
+        let photo: Vec<u8> = image
             .radiance
             .iter()
             .flat_map(|&[r, g, b]| [srgb(r * exposure), srgb(g * exposure), srgb(b * exposure), 255])
@@ -464,7 +451,7 @@ fn tables_of_images_play_what_was_recorded() {
         write_png(&folder.path().join(&name), SIZE, &photo).unwrap();
         list += &format!("{name},{degrees}\n");
         shots.push(
-            picture
+            image
                 .radiance
                 .iter()
                 .map(|rgb| rgb.map(|v| v * exposure))
@@ -474,12 +461,10 @@ fn tables_of_images_play_what_was_recorded() {
     let path = folder.path().join("list.csv");
     std::fs::write(&path, list).unwrap();
     let photos = table_from_photos(&path, None, lens.film_mm[0], 1.0, false).unwrap();
-    let evaluate = |degrees: f64, photos: &ImageTable| {
-        let parameters = drawn(degrees.to_radians(), 0.0, Pattern::Linear).0;
-        renderer
-            .picture(&parameters, Some(photos), SIZE)
-            .unwrap()
-            .radiance
+    let photos = Arc::new(TableFile::Images(photos));
+    let mut evaluate = |degrees: f64| {
+        let request = at(degrees.to_radians(), 0.0, Some(&photos));
+        imager.draw(&request, SIZE).unwrap().radiance
     };
     let worst = |a: &[[f32; 3]], b: &[[f32; 3]]| {
         let pairs = a.iter().flatten().zip(b.iter().flatten());
@@ -487,18 +472,15 @@ fn tables_of_images_play_what_was_recorded() {
         off.sort_by(f32::total_cmp);
         off[off.len() * 995 / 1000]
     };
-    assert!(worst(&evaluate(6.0, &photos), &shots[0]) < 0.01);
+    assert!(worst(&evaluate(6.0), &shots[0]) < 0.01);
     let half: Vec<[f32; 3]> = shots[0]
         .iter()
         .zip(&shots[1])
         .map(|(a, b)| [0, 1, 2].map(|k: usize| 0.5 * (a[k] + b[k])))
         .collect();
-    assert!(worst(&evaluate(8.0, &photos), &half) < 0.01);
+    assert!(worst(&evaluate(8.0), &half) < 0.01);
     assert!(
-        evaluate(12.0, &photos)
-            .iter()
-            .flatten()
-            .all(|&value| value == 0.0),
+        evaluate(12.0).iter().flatten().all(|&value| value == 0.0),
         "beyond the table"
     );
 }
@@ -507,7 +489,6 @@ fn tables_of_images_play_what_was_recorded() {
 #[test]
 fn a_ghost_keeps_its_light() {
     let gpu = Gpu::open().unwrap();
-    let renderer = FlareRenderer::new(&gpu, &CIRCLE);
     let lens = lens("angenieux");
     let f_number = 8.0;
     // The iris is set for the d line; the green channel is checked.
@@ -516,7 +497,7 @@ fn a_ghost_keeps_its_light() {
     let paraxial = Paraxial::new(&lens, 0.51, Some(d_line.sensor_gap_mm()));
     let tracer = Tracer::new(&lens, 0.51, d_line.sensor_gap_mm());
     let mut checked = 0;
-    for ghost in rilievo::camera::single_crossing_ghosts(&lens) {
+    for ghost in single_crossing_ghosts(&lens) {
         let matrices = paraxial.matrices(Some(ghost));
         let pupil_mm = stop_mm / matrices.ma.x_axis.x.abs();
         let size_mm = pupil_mm * matrices.mf.x_axis.x.abs();
@@ -545,12 +526,15 @@ fn a_ghost_keeps_its_light() {
             (FlareMode::Exact, counted),
         ] {
             let expected = entrance * 4.0 * f_number * f_number / PI;
-            let lit = source(0.0, f_number, 96);
-            let only = FlareParameters {
+            let only = GhostParameters {
                 only: Some(ghost),
-                ..parameters(&renderer, &lens, &lit, mode)
+                ..ghosts(mode, 96)
             };
-            let picture = renderer.picture(&only, None, SIZE).unwrap();
+            let request = FlareRequest {
+                aperture: CIRCLE,
+                ..request(&lens, 0.0, f_number, only)
+            };
+            let picture = draw(&gpu, &request);
             let pixel_mm2 = (36.0 / f64::from(SIZE[0])).powi(2);
             let sum: f64 = picture.radiance.iter().map(|rgb| f64::from(rgb[1])).sum::<f64>() * pixel_mm2;
             assert!(
@@ -568,17 +552,14 @@ fn a_ghost_keeps_its_light() {
 fn the_effective_pupil_changes_nothing_but_the_work() {
     let gpu = Gpu::open().unwrap();
     for name in ["heliar", "angenieux", "nikon"] {
-        let clipped = draw(&gpu, name, &source(3.0, 11.0, 2), FlareMode::Paraxial, None);
-        let whole = draw(
-            &gpu,
-            name,
-            &FlareSource {
-                whole_entrance: true,
-                ..source(3.0, 11.0, 2)
-            },
-            FlareMode::Paraxial,
-            None,
-        );
+        let lens = lens(name);
+        let [clipped, whole] = [false, true].map(|whole_entrance| {
+            let ghosts = GhostParameters {
+                whole_entrance,
+                ..ghosts(FlareMode::Paraxial, 2)
+            };
+            draw(&gpu, &request(&lens, 3.0, 11.0, ghosts))
+        });
         let exposure = auto_exposure(&whole.radiance);
         let (a, b) = (
             tone_mapped(&clipped.radiance, exposure),
@@ -587,60 +568,14 @@ fn the_effective_pupil_changes_nothing_but_the_work() {
         let differing = a.iter().zip(&b).filter(|(a, b)| a.abs_diff(**b) > 1).count();
         println!(
             "{name}: {:.1} times the work without",
-            whole.area_mm2 / clipped.area_mm2
+            whole.mesh.area_mm2 / clipped.mesh.area_mm2
         );
         assert!(
             differing * 500 < a.len(),
             "{name}: {differing} values differ by more than 1/255"
         );
-        assert!(whole.area_mm2 > 1.5 * clipped.area_mm2);
+        assert!(whole.mesh.area_mm2 > 1.5 * clipped.mesh.area_mm2);
     }
-}
-
-/// As the sun rises over a roof its visible share grows monotonically, and never at once.
-#[test]
-fn the_sun_fades_softly_behind_a_roof() {
-    let city = City::open(&support::sample().join("city")).unwrap();
-    let map = CpuMap::new(&city, 1000.0);
-    let (_, eye, _) = support::VIEWS[0];
-    let eye = DVec3::from_array(eye);
-    let mut swept = 0;
-    for azimuth_deg in [0.0_f64, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0] {
-        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-        let share = |altitude: f64| {
-            let to_sun = DVec3::new(sin * altitude.cos(), cos * altitude.cos(), altitude.sin());
-            sun_visibility(&city, &map, eye, to_sun).unwrap()
-        };
-        let (mut low, mut high) = (0.0, 1.3);
-        if share(low) > 0.0 || share(high) < 1.0 {
-            continue;
-        }
-        while high - low > 1e-4 {
-            let centre = 0.5 * (low + high);
-            if share(centre) > 0.5 {
-                high = centre
-            } else {
-                low = centre
-            }
-        }
-        // Sixteen frames from just hidden to just free.
-        let frames: Vec<f64> = (0..=16)
-            .map(|frame| share(low + 1.15 * SUN_RADIUS * (f64::from(frame) / 8.0 - 1.0)))
-            .collect();
-        // A clean edge: another roof above or beside it makes a sweep of its own.
-        if frames[0] > 0.01 || frames[16] < 0.99 {
-            continue;
-        }
-        for pair in frames.windows(2) {
-            let step = pair[1] - pair[0];
-            assert!(
-                (-1e-9..=0.15).contains(&step),
-                "azimuth {azimuth_deg}: {frames:?}"
-            );
-        }
-        swept += 1;
-    }
-    assert!(swept >= 2, "the eye sees no roof's edge");
 }
 
 #[test]
@@ -651,4 +586,256 @@ fn a_spectrum_adds_up_to_white() {
             assert!((sum - 1.0).abs() < 1e-12);
         }
     }
+}
+
+/// Only what changed is made anew: a half hidden sun costs no mesh, a moved one no starburst, and a still one nothing at all.
+#[test]
+fn a_flare_is_made_once() {
+    let gpu = Gpu::open().unwrap();
+    let format = wgpu::TextureFormat::Rgba16Float;
+    let mut effect = FlareEffect::new(&gpu, format);
+    let lens = lens("tessar");
+    let still = FlareRequest {
+        starburst: Some(StarburstParameters {
+            wavelengths: 3,
+            transform_size: 256,
+        }),
+        light: FlareLight {
+            angular_radius: SOLAR_ANGULAR_RADIUS,
+            ..FlareLight::point(0.1, 0.5)
+        },
+        ..request(&lens, 0.0, 8.0, ghosts(FlareMode::Blended, 8))
+    };
+    let of = |light: FlareLight| FlareRequest {
+        light,
+        ..still.clone()
+    };
+    let half_hidden = of(FlareLight {
+        visible_fraction: 0.5,
+        ..still.light
+    });
+    let moved = of(FlareLight {
+        angle: 0.11,
+        ..still.light
+    });
+    let hidden = of(FlareLight {
+        visible_fraction: 0.0,
+        ..still.light
+    });
+    let behind = of(FlareLight {
+        angle: 2.0,
+        ..still.light
+    });
+    let other_iris = FlareRequest {
+        aperture: CIRCLE,
+        ..moved.clone()
+    };
+    let all = |masks, meshes, starbursts| CacheFills {
+        masks,
+        meshes,
+        starbursts,
+        images: 0,
+    };
+    for (what, request, changes, fills) in [
+        ("first", &still, true, all(1, 1, 1)),
+        ("still", &still, false, all(1, 1, 1)),
+        ("half hidden", &half_hidden, true, all(1, 1, 1)),
+        ("moved", &moved, true, all(1, 2, 1)),
+        ("hidden", &hidden, true, all(1, 2, 1)),
+        ("behind", &behind, false, all(1, 2, 1)),
+        ("back", &moved, true, all(1, 2, 1)),
+        ("another iris", &other_iris, true, all(2, 2, 2)),
+    ] {
+        assert_eq!(effect.prepare(&gpu, request).unwrap(), changes, "{what}");
+        assert_eq!(effect.fills(), fills, "{what}");
+    }
+
+    // A cached one draws what a new one draws, to the bit; half of the light is half of the radiance.
+    let size = [96, 64];
+    let image = |effect: &FlareEffect| {
+        let target = Target::new(&gpu, "flare", size, format);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        effect.encode(&mut encoder, &target, None);
+        gpu.queue.submit([encoder.finish()]);
+        read_texture::<[half::f16; 4]>(&gpu, &target.texture).unwrap()
+    };
+    let fresh = |request| {
+        let mut effect = FlareEffect::new(&gpu, format);
+        effect.prepare(&gpu, request).unwrap();
+        image(&effect)
+    };
+    effect.prepare(&gpu, &still).unwrap();
+    let whole = image(&effect);
+    assert!(whole.iter().any(|texel| texel[1].to_f32() > 0.0));
+    assert!(whole == fresh(&still), "a mesh over a longer one");
+    effect.prepare(&gpu, &half_hidden).unwrap();
+    let half = image(&effect);
+    assert!(half == fresh(&half_hidden));
+    let sum = |image: &[[half::f16; 4]]| {
+        image
+            .iter()
+            .map(|texel| f64::from(texel[1].to_f32()))
+            .sum::<f64>()
+    };
+    assert!((sum(&half) / sum(&whole) - 0.5).abs() < 1e-3);
+    effect.prepare(&gpu, &behind).unwrap();
+    assert_eq!(sum(&image(&effect)), 0.0);
+}
+
+/// Colours over the whole range that a half float holds, the same ones every time.
+fn colours(count: usize) -> Vec<[f32; 3]> {
+    // SplitMix64 (Steele, Lea & Flood 2014).
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 24) as f32
+    };
+    (0..count)
+        .map(|_| [0; 3].map(|_| 10_f32.powf(-4.0 + 8.0 * random())))
+        .collect()
+}
+
+/// Light added to any colour lowers no channel that is shown, so no luminance either; what is below the shoulder is unchanged,
+/// and everything is shown below white.
+#[test]
+fn added_light_darkens_nothing() {
+    let all = colours(20_000);
+    for pair in all.chunks_exact(2) {
+        let below = tone_curve(pair[0]);
+        let sum = tone_curve([0, 1, 2].map(|k: usize| pair[0][k] + pair[1][k]));
+        for k in 0..3 {
+            assert!(
+                sum[k] >= below[k] && sum[k] <= 1.0,
+                "{pair:?}: {below:?} to {sum:?}"
+            );
+            assert!(pair[0][k] >= 0.76 || below[k] == pair[0][k]);
+        }
+    }
+    // IEC 61966-2-1: black, the knee, half, white.
+    assert_eq!([0.0, 0.003_130_8, 0.5, 1.0].map(srgb), [0, 10, 188, 255]);
+}
+
+/// The curve of the shader is that of the CPU.
+#[test]
+fn the_tone_curve_is_the_same_on_both_sides() {
+    let gpu = Gpu::open().unwrap();
+    let inputs: Vec<f32> = colours(1024)
+        .into_iter()
+        .flatten()
+        .chain([-1.0, 0.0, 0.759_999, 0.76, 0.760_001, 1.0, 65504.0])
+        .collect();
+    let text = format!(
+        "const START_COMPRESSION = {START_COMPRESSION:?}f;\n{}\n@group(0) @binding(0) var<storage, read_write> values: array<f32>;\n\
+         @compute @workgroup_size(64) fn cs(@builtin(global_invocation_id) id: vec3<u32>) {{\n\
+         if id.x < arrayLength(&values) {{ values[id.x] = tone_curve(vec3<f32>(values[id.x])).y; }} }}",
+        include_str!("../shaders/lib/tone_curve.wgsl")
+    );
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let pipeline = gpu
+        .device
+        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &module,
+            entry_point: Some("cs"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+    let values = wgpu::util::DeviceExt::create_buffer_init(
+        &gpu.device,
+        &wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: bytemuck::cast_slice(&inputs),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        },
+    );
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: values.as_entire_binding(),
+        }],
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(inputs.len().div_ceil(64) as u32, 1, 1);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    let shown = read_buffer::<f32>(&gpu, &values).unwrap();
+    for (input, shown) in inputs.iter().zip(shown) {
+        let expected = shoulder(*input);
+        assert!(
+            (shown - expected).abs() <= 1e-6,
+            "{input}: {shown} and {expected}"
+        );
+    }
+}
+
+/// Every name in the table of claims is that of a function, a type or a test in the sources.
+#[test]
+fn the_table_of_claims_names_what_exists() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut sources = String::new();
+    let mut folders = vec![root.join("src/camera"), root.join("tests")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                sources += &std::fs::read_to_string(path).unwrap();
+            }
+        }
+    }
+    let words: std::collections::HashSet<String> = ["fn ", "struct ", "enum ", "trait "]
+        .iter()
+        .flat_map(|keyword| sources.split(keyword).skip(1))
+        .map(|rest| {
+            rest.chars()
+                .take_while(|&c| c.is_alphanumeric() || c == '_')
+                .collect()
+        })
+        .collect();
+    let fields: std::collections::HashSet<&str> = sources
+        .lines()
+        .filter_map(|line| {
+            line.trim()
+                .strip_prefix("pub ")?
+                .split_once(':')
+                .map(|(name, _)| name)
+        })
+        .collect();
+    let table = std::fs::read_to_string(root.join("src/camera/flare/mod.rs")).unwrap();
+    let mut checked = 0;
+    for row in table.lines().filter(|line| line.starts_with("//! |")).skip(2) {
+        // Odd pieces stand between backquotes.
+        for name in row.split('`').skip(1).step_by(2) {
+            if name.contains('/') {
+                assert!(root.join(name).is_file(), "{name}");
+                checked += 1;
+                continue;
+            }
+            for word in name
+                .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+                .filter(|word| !word.is_empty())
+            {
+                let is_module = sources.contains(&format!("mod {word};"));
+                assert!(
+                    words.contains(word) || fields.contains(word) || is_module,
+                    "{word} of {name} does not exist: {row}"
+                );
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 40, "only {checked} names in the table");
 }

@@ -90,6 +90,30 @@ fn the_top_level_is_what_the_design_fixes() {
 }
 
 #[test]
+fn no_layer_below_the_command_line_names_a_flag() {
+    let mut files = Vec::new();
+    rust_files(&root().join("src"), &mut files);
+    let below = files
+        .iter()
+        .filter(|file| !file.starts_with(root().join("src/cli")));
+    let is_flag = |text: &str| {
+        text.match_indices("--").any(|(at, _)| {
+            let (before, after) = (&text[..at], &text[at + 2..]);
+            !before.ends_with('-') && after.starts_with(|c: char| c.is_ascii_lowercase())
+        })
+    };
+    let mut checked = 0;
+    for file in below {
+        for (number, line) in (1..).zip(fs::read_to_string(file).unwrap().lines()) {
+            assert!(!is_flag(line), "{}:{number} names a flag: {line}", file.display());
+        }
+        checked += 1;
+    }
+    assert!(checked > 50, "the test found only {checked} files");
+    assert!(is_flag("give --texel 2") && !is_flag("a --- b") && !is_flag("x - -y"));
+}
+
+#[test]
 fn shader_libraries_have_no_entry_points() {
     for entry in fs::read_dir(root().join("shaders/lib")).unwrap() {
         let path = entry.unwrap().path();

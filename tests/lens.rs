@@ -115,6 +115,58 @@ fn every_ray_of_the_independent_trace_of_the_heliar() {
     assert!(worst_matrix < 1e-12);
 }
 
+/// Rays of `tools/make_lens_fixture.py`, an implementation of its own in 50 digits: spherical and strongly aspheric lenses, the
+/// image and ghosts; the power where no surface is coated.
+#[test]
+fn every_ray_of_the_committed_independent_trace() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/lens");
+    let truth: Value = serde_json::from_slice(&std::fs::read(folder.join("rays.json")).unwrap()).unwrap();
+    let (mut rays, mut ghost_rays, mut powers) = (0, 0, 0);
+    let (mut worst_mm, mut worst_power) = (0.0_f64, 0.0_f64);
+    for table in truth["lenses"].as_array().unwrap() {
+        let name = table["lens"].as_str().unwrap();
+        let lens = match built_in(name) {
+            Some(lens) => lens.unwrap(),
+            None => open(&folder.join(format!("{name}.toml")).display().to_string()).unwrap(),
+        };
+        let tracer = Tracer::new(&lens, D_LINE_UM, table["sensor_gap_mm"].as_f64().unwrap());
+        for row in table["rays"].as_array().unwrap() {
+            let row: Vec<f64> = row
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|v| v.as_f64().unwrap())
+                .collect();
+            let ghost = (row[0] > 0.0).then(|| Ghost {
+                first: row[0] as usize - 1,
+                second: row[1] as usize - 1,
+            });
+            let point = |k: usize| DVec2::new(row[k], row[k + 1]);
+            let direction = point(4).extend(1.0).normalize();
+            let traced = tracer.trace(ghost, point(2), direction).unwrap();
+            let off_mm = traced
+                .stop_mm
+                .distance(point(6))
+                .max(traced.sensor_mm.distance(point(8)));
+            worst_mm = worst_mm.max(off_mm);
+            assert!(
+                (traced.relative_height - row[10]).abs() < 1e-9,
+                "{name} {ghost:?}"
+            );
+            if let Some(power) = row.get(11) {
+                worst_power = worst_power.max((traced.power / power - 1.0).abs());
+                powers += 1;
+            }
+            rays += 1;
+            ghost_rays += usize::from(ghost.is_some());
+        }
+    }
+    println!("{rays} rays within {worst_mm:.1e} mm, {powers} powers within {worst_power:.1e}");
+    assert!(rays > 300 && ghost_rays > 250 && powers > 100);
+    assert!(worst_mm < 1e-9, "{worst_mm} mm off");
+    assert!(worst_power < 1e-9, "{worst_power} of the power off");
+}
+
 /// Every matrix is the exact tracer's derivative on the axis.
 #[test]
 fn matrices_are_the_derivative_of_the_exact_trace() {

@@ -7,7 +7,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, InterfaceRecord, RayRecord};
 use rilievo::relief::FrameUniforms;
-use rilievo::scene::{Corner, GroundTile, TileSlot};
+use rilievo::scene::{GroundRecord, TileSlot, VertexRecord};
 
 fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
@@ -67,6 +67,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "across" = across,
             "upward" = upward,
             "sun" = sun,
+            "sun_irradiance" = sun_irradiance,
             "eye_in_tile" = eye_in_tile,
             "eye_elevation" = eye_elevation,
             "tile_m" = tile_m,
@@ -76,36 +77,37 @@ fn records_are_laid_out_alike_on_both_sides() {
             "jitter" = jitter,
             "texel_m" = texel_m,
             "top_level" = top_level,
-            "highest_roof" = highest_roof,
-            "lowest_ground" = lowest_ground,
+            "max_roof" = max_roof,
+            "min_ground" = min_ground,
             "terrain_step_m" = terrain_step_m,
             "terrain_side" = terrain_side,
             "sample" = sample,
             "pixel_angle" = pixel_angle,
             "imagery_side" = imagery_side,
             "pyramid_width" = pyramid_width,
-            "more_padding" = more_padding,
+            "max_ground" = max_ground,
+            "padding" = padding,
         ]
     );
     same_layout!(
         "TileSlot",
         TileSlot,
         [
-            "corner_base" = corner_base,
+            "vertex_base" = vertex_base,
             "list_base" = list_base,
-            "low" = low,
-            "high" = high,
+            "min_height" = min_height,
+            "max_height" = max_height,
         ]
     );
     same_layout!(
-        "Corner",
-        Corner,
+        "OutlineVertex",
+        VertexRecord,
         ["position" = position, "roof_m" = roof_m, "fid" = fid,]
     );
     same_layout!(
         "GroundTile",
-        GroundTile,
-        ["tile" = tile, "layer" = layer, "padding" = padding]
+        GroundRecord,
+        ["tile" = tile, "layer" = layer, "mesh_parts" = mesh_parts]
     );
     same_layout!(
         "Interface",
@@ -129,21 +131,27 @@ fn records_are_laid_out_alike_on_both_sides() {
         "Bundle",
         BundleRecord,
         [
-            "low_mm" = low_mm,
-            "high_mm" = high_mm,
+            "min_mm" = min_mm,
+            "max_mm" = max_mm,
             "direction" = direction,
             "sensor_gap_mm" = sensor_gap_mm,
             "wavelength_um" = wavelength_um,
             "first" = first,
             "count" = count,
-            "side" = side,
+            "size" = size,
             "padding" = padding,
         ]
     );
     same_layout!(
         "FlareFrame",
         FlareFrame,
-        ["half_mm" = half_mm, "mask_reach" = mask_reach, "scale" = scale]
+        [
+            "half_mm" = half_mm,
+            "mask_extent" = mask_extent,
+            "padding_a" = padding_a,
+            "irradiance" = irradiance,
+            "padding_b" = padding_b,
+        ]
     );
     same_layout!(
         "SpriteFrame",
@@ -151,7 +159,7 @@ fn records_are_laid_out_alike_on_both_sides() {
         [
             "centre_mm" = centre_mm,
             "half_mm" = half_mm,
-            "turn" = turn,
+            "rotation" = rotation,
             "image_half_mm" = image_half_mm,
             "radiance" = radiance,
             "padding" = padding,
@@ -169,11 +177,4 @@ fn records_are_laid_out_alike_on_both_sides() {
             "padding" = padding,
         ]
     );
-}
-
-#[test]
-fn the_reference_point_is_the_same_in_shader_and_rust() {
-    let text = include_str!("../shaders/lib/building_map.wgsl");
-    let [x, y] = rilievo::buildings::BuildingMap::REFERENCE;
-    assert!(text.contains(&format!("REFERENCE: vec2<f32> = vec2<f32>({x}, {y});")));
 }

@@ -8,39 +8,39 @@ use std::path::Path;
 
 use glam::DVec3;
 use rilievo::city::City;
-use rilievo::output::{Picture, PictureRequest, Renderer};
-use rilievo::relief::{Light, ReliefMode};
+use rilievo::gpu::Gpu;
+use rilievo::output::{Renderer, Still};
+use rilievo::relief::ReliefMode;
 use rilievo::scene::TerrainMesh;
-use rilievo::space::View;
+use rilievo::space::Sun;
+use support::View;
 use support::raycaster::{Raycaster, Truth};
 
 const SIZE: [u32; 2] = [192, 108];
 
-fn view(eye: [f64; 3], look: [f64; 3]) -> View {
+fn view(eye: [f64; 3], target: [f64; 3]) -> View {
     View {
         eye: DVec3::from_array(eye),
-        look: DVec3::from_array(look),
+        target: DVec3::from_array(target),
         fov_y: 60_f64.to_radians(),
     }
 }
 
-fn draw(renderer: &Renderer, view: View, mode: ReliefMode) -> Picture {
-    renderer
-        .picture(&PictureRequest {
-            view,
-            size: SIZE,
-            light: Light {
-                to_sun: DVec3::new(-0.5, -0.5, 0.7).normalize(),
-            },
-            mode,
-            samples: 1,
-        })
-        .unwrap()
+fn draw(renderer: &mut Renderer, view: View, mode: ReliefMode) -> Still {
+    let camera = view.camera();
+    let sun = Sun::from_direction(DVec3::new(-0.5, -0.5, 0.7).normalize());
+    let request = rilievo::output::FrameRequest {
+        mode,
+        ..support::request(&camera, &sun, SIZE)
+    };
+    renderer.still(&request, 1).unwrap()
 }
 
-fn open(mode: ReliefMode, mesh: TerrainMesh) -> Renderer {
+fn open(mesh: TerrainMesh) -> Renderer {
     let city = City::open(&support::sample().join("city")).unwrap();
-    Renderer::open(&city, mode, mesh).unwrap()
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, mesh).unwrap();
+    renderer.load_polygons(&city).unwrap();
+    renderer
 }
 
 fn caster() -> Raycaster {
@@ -52,22 +52,16 @@ fn caster() -> Raycaster {
     )
 }
 
-/// Rays of a pinhole, derived here from the definition of the camera alone.
-fn ray(view: &View, column: u32, row: u32) -> DVec3 {
-    let forward = (view.look - view.eye).normalize();
-    let right = forward.cross(DVec3::Z).normalize();
-    let up = right.cross(forward);
-    let half = (view.fov_y / 2.0).tan();
-    let x = (f64::from(column) + 0.5) / f64::from(SIZE[0]) * 2.0 - 1.0;
-    let y = 1.0 - (f64::from(row) + 0.5) / f64::from(SIZE[1]) * 2.0;
-    (forward + right * (x * half * f64::from(SIZE[0]) / f64::from(SIZE[1])) + up * (y * half)).normalize()
-}
-
 /// What must hold (the project's accuracy promise).
-fn check(name: &str, caster: &Raycaster, view: View, picture: &Picture) {
+fn check(name: &str, caster: &Raycaster, view: View, picture: &Still) {
     let [width, height] = SIZE;
     let truth: Vec<Truth> = (0..width * height)
-        .map(|k| caster.cast(view.eye.to_array(), ray(&view, k % width, k / width).to_array()))
+        .map(|k| {
+            caster.cast(
+                view.eye.to_array(),
+                support::ray(&view, SIZE, k % width, k / width).to_array(),
+            )
+        })
         .collect();
     let class = |k: usize| match truth[k] {
         Truth::Sky => -1_i64,
@@ -92,7 +86,7 @@ fn check(name: &str, caster: &Raycaster, view: View, picture: &Picture) {
             }
             Truth::Ground { .. } => {
                 grounds += 1;
-                let at = view.eye + ray(&view, column, row) * t;
+                let at = view.eye + support::ray(&view, SIZE, column, row) * t;
                 let error = caster.ground(at.x, at.y).map(|ground| (at.z - ground).abs());
                 let right = id == 0 && error.is_some_and(|error| error <= 0.30);
                 right_grounds += u32::from(right);
@@ -125,26 +119,26 @@ fn check(name: &str, caster: &Raycaster, view: View, picture: &Picture) {
 
 #[test]
 fn exact_relief_is_true() {
-    let (caster, renderer) = (caster(), open(ReliefMode::Exact, TerrainMesh::Tin));
+    let (caster, mut renderer) = (caster(), open(TerrainMesh::Tin));
     for (name, eye, look) in support::VIEWS {
         let view = view(eye, look);
         check(
             &format!("exact {name}"),
             &caster,
             view,
-            &draw(&renderer, view, ReliefMode::Exact),
+            &draw(&mut renderer, view, ReliefMode::Exact),
         );
     }
 }
 
 #[test]
 fn polygons_are_true_and_agree_with_exact() {
-    let (caster, renderer) = (caster(), open(ReliefMode::Polygons, TerrainMesh::Tin));
+    let (caster, mut renderer) = (caster(), open(TerrainMesh::Tin));
     for (name, eye, look) in support::VIEWS {
         let view = view(eye, look);
-        let polygons = draw(&renderer, view, ReliefMode::Polygons);
+        let polygons = draw(&mut renderer, view, ReliefMode::Polygons);
         check(&format!("polygons {name}"), &caster, view, &polygons);
-        let exact = draw(&renderer, view, ReliefMode::Exact);
+        let exact = draw(&mut renderer, view, ReliefMode::Exact);
         let differing = exact
             .ids
             .iter()
@@ -158,16 +152,165 @@ fn polygons_are_true_and_agree_with_exact() {
     }
 }
 
+/// Imports terrain and footprints with heights in `height_m`.
+fn import(terrain: &[&Path], buildings: &Path, more: &[&str], out: &Path) -> City {
+    let mut arguments: Vec<std::ffi::OsString> = vec!["import".into(), "--terrain".into()];
+    arguments.extend(terrain.iter().map(|path| path.into()));
+    arguments.extend([
+        "--buildings".into(),
+        buildings.into(),
+        "--height-field".into(),
+        "height_m".into(),
+    ]);
+    arguments.extend(more.iter().map(|text| text.into()));
+    arguments.extend(["--out".into(), out.into()]);
+    support::succeed(&arguments);
+    City::open(out).unwrap()
+}
+
+#[test]
+fn fine_and_coarse_texels_are_true() {
+    let (caster, files) = (caster(), support::sample().join("files"));
+    let folder = tempfile::tempdir().unwrap();
+    for texel in ["0.5", "2"] {
+        let city = import(
+            &[&files.join("terrain.tif")],
+            &files.join("buildings.gpkg"),
+            &["--texel", texel],
+            &folder.path().join(texel),
+        );
+        let side = city.manifest().texel_m;
+        assert!(
+            (side / texel.parse::<f64>().unwrap() - 1.0).abs() < 0.25,
+            "{side}"
+        );
+        let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+        for (name, eye, look) in support::VIEWS {
+            let view = view(eye, look);
+            let picture = draw(&mut renderer, view, ReliefMode::Exact);
+            check(&format!("texel {texel} {name}"), &caster, view, &picture);
+        }
+    }
+}
+
+/// The sample and its copy 40 km to the north-east are one city, with nothing between.
+#[test]
+fn a_city_of_40_km_is_true_at_its_far_end() {
+    const SHIFT: f64 = 40_000.0;
+    let folder = tempfile::tempdir().unwrap();
+    let files = support::sample().join("files");
+    let far_terrain = folder.path().join("far.tif");
+    std::fs::copy(files.join("terrain.tif"), &far_terrain).unwrap();
+    let update = gdal::DatasetOptions {
+        open_flags: gdal::GdalOpenFlags::GDAL_OF_UPDATE,
+        ..Default::default()
+    };
+    let mut raster = gdal::Dataset::open_ex(&far_terrain, update).unwrap();
+    let mut transform = raster.geo_transform().unwrap();
+    transform[0] += SHIFT;
+    transform[3] += SHIFT;
+    raster.set_geo_transform(&transform).unwrap();
+    raster.close().unwrap();
+    let buildings = folder.path().join("both.geojson");
+    let near = rings_and_heights(&files.join("buildings.gpkg"));
+    let far = near.iter().map(|(rings, height)| {
+        let shifted = |ring: &Vec<[f64; 2]>| ring.iter().map(|[x, y]| [x + SHIFT, y + SHIFT]).collect();
+        (rings.iter().map(shifted).collect(), *height)
+    });
+    let both: Vec<(Vec<Vec<[f64; 2]>>, f64)> = near.iter().cloned().chain(far).collect();
+    write_geojson(&buildings, &both);
+
+    let out = folder.path().join("city");
+    let city = import(
+        &[&files.join("terrain.tif"), &far_terrain],
+        &buildings,
+        &["--fill", "0"],
+        &out,
+    );
+    let bounds = city.manifest().grid.bounds();
+    assert!(bounds.width() > SHIFT && bounds.height() > SHIFT, "{bounds:?}");
+
+    // Every vertex of the far outlines is stored within a millimetre.
+    let is_vertex: std::collections::HashSet<[i64; 2]> = both
+        .iter()
+        .flat_map(|(rings, _)| rings.iter().flatten())
+        .flat_map(|point| {
+            let [x, y] = point.map(|value| (value * 1e3).round() as i64);
+            [-1, 0, 1]
+                .into_iter()
+                .flat_map(move |dx| [-1, 0, 1].map(|dy| [x + dx, y + dy]))
+        })
+        .collect();
+    let mut checked = 0;
+    for tile in city.manifest().grid.tiles() {
+        let Some(map) = city.buildings(tile).unwrap() else {
+            continue;
+        };
+        let origin = city.manifest().grid.origin(tile);
+        for vertex in &map.vertices {
+            let at = [origin.x + f64::from(vertex.x_m), origin.y + f64::from(vertex.y_m)];
+            let millimetres = at.map(|value| (value * 1e3).round() as i64);
+            assert!(
+                is_vertex.contains(&millimetres),
+                "{at:?} is no vertex of the survey"
+            );
+            checked += 1;
+        }
+    }
+    assert!(checked > 20_000, "{checked} vertices");
+
+    let caster = Raycaster::open(&far_terrain, &buildings, "height_m");
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    for (name, eye, look) in support::VIEWS {
+        let far = |[x, y, z]: [f64; 3]| [x + SHIFT, y + SHIFT, z];
+        let view = view(far(eye), far(look));
+        let picture = draw(&mut renderer, view, ReliefMode::Exact);
+        check(&format!("40 km away, {name}"), &caster, view, &picture);
+    }
+}
+
+/// Rings and `height_m` of every polygon.
+fn rings_and_heights(path: &Path) -> Vec<(Vec<Vec<[f64; 2]>>, f64)> {
+    use gdal::vector::LayerAccess;
+    let dataset = gdal::Dataset::open(path).unwrap();
+    let mut layer = dataset.layer(0).unwrap();
+    let features = layer.features().map(|feature| {
+        let geometry = feature.geometry().unwrap();
+        let rings = (0..geometry.geometry_count()).map(|k| {
+            let mut points = Vec::new();
+            geometry.get_geometry(k).get_points(&mut points);
+            points.iter().map(|&(x, y, _)| [x, y]).collect()
+        });
+        let height = feature.field_index("height_m").unwrap();
+        (rings.collect(), feature.field_as_double(height).unwrap().unwrap())
+    });
+    features.collect()
+}
+
+fn write_geojson(path: &Path, polygons: &[(Vec<Vec<[f64; 2]>>, f64)]) {
+    use serde_json::json;
+    let features: Vec<_> = polygons
+        .iter()
+        .map(|(rings, height)| {
+            let geometry = json!({"type": "Polygon", "coordinates": rings});
+            json!({"type": "Feature", "properties": {"height_m": height}, "geometry": geometry})
+        })
+        .collect();
+    let crs = json!({"type": "name", "properties": {"name": "EPSG:32633"}});
+    let collection = json!({"type": "FeatureCollection", "crs": crs, "features": features});
+    std::fs::write(path, collection.to_string()).unwrap();
+}
+
 #[test]
 fn the_regular_grid_draws_the_same_ground() {
-    let (caster, renderer) = (caster(), open(ReliefMode::Exact, TerrainMesh::Grid));
+    let (caster, mut renderer) = (caster(), open(TerrainMesh::Grid));
     let (name, eye, look) = support::VIEWS[1];
     let view = view(eye, look);
     check(
         &format!("grid {name}"),
         &caster,
         view,
-        &draw(&renderer, view, ReliefMode::Exact),
+        &draw(&mut renderer, view, ReliefMode::Exact),
     );
 }
 

@@ -8,44 +8,32 @@ use rilievo::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in};
 use rilievo::camera::{Bundle, Paraxial, RayPass, Tracer, beam_direction, single_crossing_ghosts};
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
-use rilievo::output::{PictureRequest, Renderer};
-use rilievo::relief::{CpuMap, Light, ReliefMode};
+use rilievo::output::Renderer;
+use rilievo::relief::cast_buildings;
 use rilievo::scene::TerrainMesh;
-use rilievo::space::View;
+use rilievo::space::Sun;
 
 #[test]
 fn cpu_and_gpu_walks_agree() {
     let city = City::open(&support::sample().join("city")).unwrap();
-    let renderer = Renderer::open(&city, ReliefMode::Exact, TerrainMesh::Tin).unwrap();
-    let map = CpuMap::new(&city, renderer.resident.highest_roof);
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
     let size = [160, 90];
-    for (name, eye, look) in support::VIEWS {
-        let view = View {
-            eye: DVec3::from_array(eye),
-            look: DVec3::from_array(look),
-            fov_y: 1.0,
-        };
-        let light = Light { to_sun: DVec3::Z };
-        let picture = renderer
-            .picture(&PictureRequest {
-                view,
-                size,
-                light,
-                mode: ReliefMode::Exact,
-                samples: 1,
-            })
-            .unwrap();
-        let projection = view.projection(size);
+    for (name, eye, target) in support::VIEWS {
+        let camera = support::pinhole(eye, target, 1.0);
+        let sun = Sun::from_direction(DVec3::Z);
+        let still = renderer.still(&support::request(&camera, &sun, size), 1).unwrap();
+        let projection = camera.projection(size);
+        let tiles = &renderer.resident.tiles;
         let (mut hits, mut differing) = (0, 0);
         for k in 0..(size[0] * size[1]) as usize {
             let direction = projection.ray_direction(k as u32 % size[0], k as u32 / size[0]);
-            let (hit, reads) = map.cast(view.eye, direction, f32::INFINITY);
+            let (hit, reads) = cast_buildings(tiles, camera.pose.eye, direction, f32::INFINITY);
             assert!(reads < 4000, "a walk of {reads} reads");
-            // Where the picture shows ground, a building may only lie behind it.
-            let shown = (picture.ids[k] != 0).then(|| (picture.ids[k], picture.depth[k]));
+            // Where the image shows ground, a building may only lie behind it.
+            let shown = (still.ids[k] != 0).then(|| (still.ids[k], still.depth[k]));
             let same = match (hit, shown) {
                 (Some(hit), Some((id, t))) => hit.fid == id && (hit.t - t).abs() < 0.01 + 1e-4 * t,
-                (Some(hit), None) => hit.t > picture.depth[k],
+                (Some(hit), None) => hit.t > still.depth[k],
                 (None, None) => true,
                 (None, Some(_)) => false,
             };
@@ -67,8 +55,8 @@ fn bundles(lens: &Lens, angle_deg: f64, reach_mm: f64) -> Vec<Bundle> {
             ghost,
             wavelength_um,
             angle: f64::to_radians(angle_deg),
-            low: DVec2::splat(-reach_mm),
-            high: DVec2::new(reach_mm, 0.9 * reach_mm),
+            min: DVec2::splat(-reach_mm),
+            max: DVec2::new(reach_mm, 0.9 * reach_mm),
         })
     })
     .collect()
@@ -95,7 +83,7 @@ fn cpu_and_gpu_rays_through_lenses_agree() {
                 let tracer = Tracer::new(&lens, bundle.wavelength_um, gap);
                 for (k, on_gpu) in grid.iter().enumerate() {
                     let share = DVec2::new((k % SIDE) as f64, (k / SIDE) as f64) / (SIDE - 1) as f64;
-                    let entry = bundle.low + (bundle.high - bundle.low) * share;
+                    let entry = bundle.min + (bundle.max - bundle.min) * share;
                     let on_cpu = tracer.trace(bundle.ghost, entry, beam_direction(bundle.angle));
                     // Rays that the barrel holds may graze a surface, where f32 cannot follow.
                     let Some(on_cpu) = on_cpu.filter(|ray| ray.relative_height <= 1.0) else {

@@ -2,12 +2,14 @@
 // where its ray meets the lens barrel (KR 10-1465658; Lee & Eisemann 2013, section 4).
 
 struct FlareFrame {
-    // Half the picture's width and height, millimetres of the sensor.
+    // Half the image's width and height, millimetres of the sensor.
     half_mm: vec2<f32>,
     // Half the side of the aperture's mask, in radii of the stop.
-    mask_reach: f32,
-    // Factor on all ghosts: the visible share of the source.
-    scale: f32,
+    mask_extent: f32,
+    padding_a: f32,
+    // Of the visible part of the light: vertices are for 1.
+    irradiance: vec3<f32>,
+    padding_b: f32,
 }
 
 @group(0) @binding(0) var<uniform> flare: FlareFrame;
@@ -35,9 +37,9 @@ fn vs(
 
 @fragment
 fn fs(in: GhostVertex) -> @location(0) vec4<f32> {
-    let open = textureSample(aperture, aperture_sampler, 0.5 + 0.5 * in.stop / flare.mask_reach).x;
+    let open = textureSample(aperture, aperture_sampler, 0.5 + 0.5 * in.stop / flare.mask_extent).x;
     // The barrel's edge, one pixel soft.
     let height = length(in.barrel);
     let soft = clamp((1.0 - height) / max(fwidth(height), 1.0e-6) + 0.5, 0.0, 1.0);
-    return vec4<f32>(in.radiance * open * soft * flare.scale, in.opacity * open * soft);
+    return vec4<f32>(in.radiance * flare.irradiance * open * soft, in.opacity * open * soft);
 }

@@ -1,17 +1,17 @@
-// The building map of all resident tiles. Twin: src/buildings/map.rs, which explains the codes.
+// The building map of all resident tiles. Host: src/buildings/map.rs, which explains the codes.
 
 // A record is read as one vector of 16 bytes: a software device reads each member of a structure on its own.
 struct TileSlot {
-    // The tile's first outline corner in `corners`; its roofs stand before it, the first the nearest.
-    corner_base: u32,
+    // The tile's first outline vertex in `vertices`; its roofs stand before it, the first the nearest.
+    vertex_base: u32,
     // The tile's first code in `lists`.
     list_base: u32,
     // Lowest ground and highest roof, metres above the vertical datum.
-    low: f32,
-    high: f32,
+    min_height: f32,
+    max_height: f32,
 }
 
-struct Corner {
+struct OutlineVertex {
     // Metres from the tile's south-west corner; 0 in the record of a roof.
     position: vec2<f32>,
     // Elevation of the building's roof, its id.
@@ -25,10 +25,10 @@ struct Corner {
 @group(1) @binding(2) var cells: texture_2d_array<u32>;
 // Nodes of 4 x 4 children, a byte a child. Twin: src/buildings/pyramid.rs, which tells the layout.
 @group(1) @binding(3) var pyramid: texture_2d_array<u32>;
-// Edge e of an outline runs from corner e to e + 1.
-@group(1) @binding(4) var<storage, read> corners: array<vec4<u32>>;
+// Edge e of an outline runs from vertex e to e + 1.
+@group(1) @binding(4) var<storage, read> vertices: array<vec4<u32>>;
 @group(1) @binding(5) var<storage, read> lists: array<u32>;
-// Metres along its outline, for every corner.
+// Metres along its outline, for every vertex.
 @group(1) @binding(6) var<storage, read> along_outline: array<f32>;
 
 fn slot_at(index: i32) -> TileSlot {
@@ -36,13 +36,13 @@ fn slot_at(index: i32) -> TileSlot {
     return TileSlot(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w));
 }
 
-fn corner_at(index: u32) -> Corner {
-    let record = corners[index];
-    return Corner(bitcast<vec2<f32>>(record.xy), bitcast<f32>(record.z), record.w);
+fn vertex_at(index: u32) -> OutlineVertex {
+    let record = vertices[index];
+    return OutlineVertex(bitcast<vec2<f32>>(record.xy), bitcast<f32>(record.z), record.w);
 }
 
-// A roof's record in `corners`.
-fn roof_index(slot: TileSlot, building: u32) -> u32 { return slot.corner_base - 1u - building; }
+// A roof's record in `vertices`.
+fn roof_index(slot: TileSlot, building: u32) -> u32 { return slot.vertex_base - 1u - building; }
 
 // Four rows of four bytes, from the south-west.
 fn node_at(node: vec2<i32>, level: u32, slot_index: i32) -> vec4<u32> {
@@ -54,7 +54,7 @@ fn node_at(node: vec2<i32>, level: u32, slot_index: i32) -> vec4<u32> {
 }
 
 // Bound on the roofs of a node's child, in metres above the tile's lowest ground: (byte - 1) of these steps.
-fn step_of(slot: TileSlot) -> f32 { return max((slot.high - slot.low) / 253.99, 0.0); }
+fn step_of(slot: TileSlot) -> f32 { return max((slot.max_height - slot.min_height) / PYRAMID_STEPS, 0.0); }
 
 fn child_byte(rows: vec4<u32>, child: vec2<i32>) -> u32 {
     let local = vec2<u32>(child) & vec2<u32>(3u);
@@ -63,13 +63,8 @@ fn child_byte(rows: vec4<u32>, child: vec2<i32>) -> u32 {
     return (select(south, north, local.y >= 2u) >> (8u * local.x)) & 255u;
 }
 
-const KIND_FULL: u32 = 1u;
-const KIND_RUN: u32 = 2u;
-const KIND_LIST: u32 = 3u;
-const REFERENCE: vec2<f32> = vec2<f32>(0.4387, 0.5719);
-
-fn kind_of(code: u32) -> u32 { return code >> 30u; }
-fn index_of(code: u32) -> u32 { return code & 0xffffffu; }
-fn is_inside(code: u32) -> bool { return (code & 0x20000000u) != 0u; }
-fn has_more(code: u32) -> bool { return (code & 0x10000000u) != 0u; }
-fn edges_of(code: u32) -> u32 { return ((code >> 24u) & 15u) + 1u; }
+fn kind_of(code: u32) -> u32 { return code >> KIND_SHIFT; }
+fn index_of(code: u32) -> u32 { return code & INDEX_MASK; }
+fn is_inside(code: u32) -> bool { return (code & INSIDE_BIT) != 0u; }
+fn has_more(code: u32) -> bool { return (code & MORE_BIT) != 0u; }
+fn edges_of(code: u32) -> u32 { return ((code >> EDGES_SHIFT) & EDGES_MASK) + 1u; }

@@ -1,4 +1,4 @@
-// One frame's view and city. Twin: src/relief/frame.rs (a test compares the layouts).
+// One frame's view and city. Host: src/relief/frame_uniforms.rs (a test compares the layouts).
 // Positions called `at` are eye-relative world: metres east, north and up of the eye.
 
 struct Frame {
@@ -7,8 +7,10 @@ struct Frame {
     forward: vec4<f32>,
     across: vec4<f32>,
     upward: vec4<f32>,
-    // Unit vector towards the sun; w is not used.
+    // Unit vector towards the sun; half the angle that its disc spans, radians.
     sun: vec4<f32>,
+    // Irradiance of the sun on a surface facing it, linear sRGB; w is not used.
+    sun_irradiance: vec4<f32>,
     // The eye within its tile, metres; elevation of the eye; side of a tile.
     eye_in_tile: vec2<f32>,
     eye_elevation: f32,
@@ -24,24 +26,24 @@ struct Frame {
     // log2 of the texels along a tile's side.
     top_level: u32,
     // Highest roof and lowest ground of the city's tiles with buildings, metres above the eye.
-    highest_roof: f32,
-    lowest_ground: f32,
+    max_roof: f32,
+    min_ground: f32,
     // Distance between terrain samples, metres; samples along a tile's side.
     terrain_step_m: f32,
     terrain_side: u32,
-    // Number of this sample, for stochastic shading; 0 draws without ambient rays.
+    // Number of this sample, from 0.
     sample: u32,
     // Angle of a pixel at the image's centre, radians.
     pixel_angle: f32,
     imagery_side: f32,
     // Width of the pyramid's image, nodes.
     pyramid_width: u32,
-    more_padding: vec2<u32>,
+    // Highest ground of the city, metres above the eye.
+    max_ground: f32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-
-const FAR: f32 = 3.0e38;
 
 // Unit direction of the ray through a pixel (fragment position: its centre).
 fn ray_direction(pixel: vec2<f32>) -> vec3<f32> {

@@ -15,7 +15,7 @@ struct Hit {
     t: f32,
     // Id of the building.
     fid: u32,
-    // Index into `corners` of the wall's first corner, ROOF for a roof.
+    // Index into `vertices` of the wall's first vertex, ROOF for a roof.
     edge: u32,
     // Metres along the wall from that corner, 0 on a roof.
     along_m: f32,
@@ -23,8 +23,6 @@ struct Hit {
 
 const ROOF: u32 = 0xffffffffu;
 const MISS: Hit = Hit(FAR, 0u, 0u, 0.0);
-// More steps than any walk needs; a guard against endless loops, not a limit on quality.
-const MAX_STEPS: u32 = 8192u;
 
 fn make_ray(start: vec3<f32>, direction: vec3<f32>) -> Ray {
     let tiny = vec2<f32>(1.0e-9);
@@ -36,7 +34,7 @@ fn make_ray(start: vec3<f32>, direction: vec3<f32>) -> Ray {
 fn cross2(a: vec2<f32>, b: vec2<f32>) -> f32 { return a.x * b.y - a.y * b.x; }
 
 // Rounding of a hit's place along the ray, metres.
-fn slack(t: f32) -> f32 { return 1.0e-3 + 2.0e-6 * t; }
+fn slack(t: f32) -> f32 { return SLACK.x + SLACK.y * t; }
 
 // First hit of the ray with the roofs and walls of one texel, between t0 and t1.
 // `start` is the ray's start in the tile's local coordinates.
@@ -52,7 +50,7 @@ fn visit_cell(code: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
     // The code of this turn, codes read.
     var w = code;
     var i = 0u;
-    // The record of this turn, edges left of the code's run, the corner before.
+    // The record of this turn, edges left of the code's run, the vertex before.
     var index = 0u;
     var edges_left = 0u;
     var a = vec2<f32>(0.0);
@@ -64,20 +62,20 @@ fn visit_cell(code: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
     var meets_roof = false;
     var inside = false;
     var to_p = vec2<f32>(0.0);
-    // A turn reads one record: the first of a code, or the next corner of its run.
+    // A turn reads one record: the first of a code, or the next vertex of its run.
     loop {
         let begins = edges_left == 0u;
         if begins && is_list { w = lists[list + 1u + i]; }
         let is_run = kind_of(w) == KIND_RUN;
-        let first = select(roof_index(slot, index_of(w)), slot.corner_base + index_of(w), is_run);
+        let first = select(roof_index(slot, index_of(w)), slot.vertex_base + index_of(w), is_run);
         index = select(index + 1u, first, begins);
-        let corner = corner_at(index);
-        let b = corner.position;
+        let vertex = vertex_at(index);
+        let b = vertex.position;
         if begins {
             i += 1u;
             if !continues {
-                roof = corner.roof_m - frame.eye_elevation;
-                fid = corner.fid;
+                roof = vertex.roof_m - frame.eye_elevation;
+                fid = vertex.fid;
                 t_roof = (roof - ray.start.z) / ray.direction.z;
                 meets_roof = ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best.t;
                 to_p = start + t_roof * ray.direction.xy - reference;
@@ -148,7 +146,7 @@ fn enter_tile(slot_index: i32, slot: TileSlot, corner: vec2<f32>, ray: Ray, t0: 
     let place = (start + t0 * ray.direction.xy) / frame.texel_m;
     let texel = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << frame.top_level) - 1));
     let step_m = step_of(slot);
-    let floor_z = slot.low - step_m - frame.eye_elevation - ray.start.z;
+    let floor_z = slot.min_height - step_m - frame.eye_elevation - ray.start.z;
     return Walk(slot_index, start, floor_z, t0, t1, level, texel >> vec2<u32>(2u * level + 2u), step_m, false, vec2<i32>(0), t0);
 }
 
@@ -243,7 +241,7 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
     let high = tile_corner(frame.grid) - ray.start.xy;
     let t_in = select(high, low, forward) * ray.inverse;
     let t_past = select(low, high, forward) * ray.inverse;
-    let t_roofs = (frame.highest_roof - ray.start.z) / ray.direction.z;
+    let t_roofs = (frame.max_roof - ray.start.z) / ray.direction.z;
     var t = max(t0, max(t_in.x, t_in.y));
     var end = min(t1, min(t_past.x, t_past.y));
     if ray.direction.z > 0.0 { end = min(end, t_roofs); }
@@ -261,8 +259,8 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
             let slot = slot_at(max(slot_index, 0));
             // Of the way through the tile only what lies between its lowest ground and its highest roof: a ray that comes in
             // under the ground, past the city's edge, meets nothing.
-            let t_low = (slot.low - frame.eye_elevation - ray.start.z) / ray.direction.z;
-            let t_high = (slot.high - frame.eye_elevation - ray.start.z) / ray.direction.z;
+            let t_low = (slot.min_height - frame.eye_elevation - ray.start.z) / ray.direction.z;
+            let t_high = (slot.max_height - frame.eye_elevation - ray.start.z) / ray.direction.z;
             let t_first = min(t_low, t_high);
             let t_last = max(t_low, t_high);
             let from_t = max(t, t_first - slack(abs(t_first)));
@@ -284,7 +282,7 @@ fn walk_city(ray: Ray, t0: f32, t1: f32) -> Hit {
 // Outward unit normal of what was hit.
 fn hit_normal(hit: Hit) -> vec3<f32> {
     if hit.edge == ROOF { return vec3<f32>(0.0, 0.0, 1.0); }
-    let along = corner_at(hit.edge + 1u).position - corner_at(hit.edge).position;
+    let along = vertex_at(hit.edge + 1u).position - vertex_at(hit.edge).position;
     return normalize(vec3<f32>(along.y, -along.x, 0.0));
 }
 

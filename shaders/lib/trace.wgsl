@@ -2,7 +2,7 @@
 
 // One meeting of a path with a surface, in the order that the light goes.
 struct Interface {
-    // Way along the axis from the surface before, signed, millimetres.
+    // Distance along the axis from the surface before, signed, millimetres.
     gap_mm: f32,
     // 1 / radius; conic constant; clear radius (millimetres).
     curvature: f32,
@@ -29,14 +29,10 @@ struct TracedRay {
     // Largest ratio of the ray's height to a clear radius, the stop apart, and at the stop.
     relative_height: f32,
     relative_stop: f32,
-    // Share of the power that arrives; LOST for a ray that does not.
+    // Fraction of the power that arrives; LOST for a ray that does not.
     power: f32,
     padding: u32,
 }
-
-const REFLECTS: u32 = 1u;
-const STOP: u32 = 2u;
-const LOST: f32 = -1.0;
 
 @group(0) @binding(0) var<storage, read> interfaces: array<Interface>;
 // Index, thickness in micrometres.
@@ -95,7 +91,7 @@ fn meet(face: Interface, start: vec3<f32>, d: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(at, 1.0);
 }
 
-// Share of unpolarised power that is reflected. Twin: src/camera/lens/coating.rs; a film's matrix is
+// Fraction of unpolarised power that is reflected. Twin: src/camera/lens/coating.rs; a film's matrix is
 // [[cos, i a], [i b, cos]] with real a, b also beyond its limit of total reflection.
 fn reflectance(face: Interface, cos_incidence: f32, wavelength_um: f32) -> f32 {
     let n1 = face.index_before;
@@ -126,8 +122,8 @@ fn reflectance(face: Interface, cos_incidence: f32, wavelength_um: f32) -> f32 {
     let y1 = vec2<f32>(n1 * cos1, n1 / max(cos1, 1.0e-6));
     let less = e * vec4<f32>(y1, y1) - h;
     let more = e * vec4<f32>(y1, y1) + h;
-    let shares = (less.xy * less.xy + less.zw * less.zw) / (more.xy * more.xy + more.zw * more.zw);
-    return 0.5 * (shares.x + shares.y);
+    let fractions = (less.xy * less.xy + less.zw * less.zw) / (more.xy * more.xy + more.zw * more.zw);
+    return 0.5 * (fractions.x + fractions.y);
 }
 
 // Follows a ray from the plane of the first vertex through `count` interfaces to the sensor.

@@ -4,8 +4,6 @@
 // coarse steps, and stops where its narrowest fitting blocks hold a roof within reach (cone optimisation: Laine & Karras
 // 2011, "Efficient Sparse Voxel Octrees", section 4.5). The bound is conservative, so the picture is the same without.
 
-// Side of a block, pixels. Twin: CONE_PIXELS in src/relief/targets.rs.
-const CONE_PIXELS: f32 = 8.0;
 // Along the way a block of the pyramid is at least this many times as wide as the cone's radius.
 const WIDTH_IN_RADII: f32 = 4.0;
 const MAX_CONE_STEPS: u32 = 1024u;
@@ -31,7 +29,7 @@ fn highest_of(block: vec2<i32>, level: u32) -> f32 {
         max(child_byte(rows, first), child_byte(rows, first + odd)),
         max(child_byte(rows, first + odd * vec2<i32>(1, 0)), child_byte(rows, first + odd * vec2<i32>(0, 1))),
     );
-    return select(record.low + (f32(highest) - 1.0) * step_of(record), NOTHING, highest == 0u);
+    return select(record.min_height + (f32(highest) - 1.0) * step_of(record), NOTHING, highest == 0u);
 }
 
 // Earliest t at which the cone, t * (d +- spread), can reach the interval low..high.
@@ -51,8 +49,8 @@ fn last_reach(low: f32, high: f32, d: f32, spread: f32) -> f32 {
 @fragment
 fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
     // Pixel centres of the block lie within half a pixel of its border.
-    let first = floor(position.xy) * CONE_PIXELS + 0.5;
-    let last = first + CONE_PIXELS - 1.0;
+    let first = floor(position.xy) * f32(CONE_PIXELS) + 0.5;
+    let last = first + f32(CONE_PIXELS) - 1.0;
     let d = ray_direction(0.5 * (first + last));
     // The directions of the block lie within this distance of the centre one, because its corners do.
     var spread = 0.0;
@@ -69,11 +67,11 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
     let deepest = -1.0e6;
     var t = max(
         max(first_reach(low.x, high.x, d.x, spread), first_reach(low.y, high.y, d.y, spread)),
-        first_reach(deepest, frame.highest_roof, d.z, spread),
+        first_reach(deepest, frame.max_roof, d.z, spread),
     );
     let end = min(
         min(last_reach(low.x, high.x, d.x, spread), last_reach(low.y, high.y, d.y, spread)),
-        last_reach(deepest, frame.highest_roof, d.z, spread),
+        last_reach(deepest, frame.max_roof, d.z, spread),
     );
     let fastest = max(abs(d.x), abs(d.y)) + 2.0 * spread;
     var level = frame.top_level;

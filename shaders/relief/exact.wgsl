@@ -36,7 +36,7 @@ fn volume_corner(index: u32) -> vec3<f32> {
 fn vs_overflow(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     let corner = volume_corner(index);
     let plan = mix(tile_corner(vec2<i32>(0)), tile_corner(frame.grid), corner.xy);
-    let height = mix(frame.lowest_ground, frame.highest_roof, corner.z);
+    let height = mix(frame.min_ground, frame.max_roof, corner.z);
     return frame.clip_from_eye_relative * vec4<f32>(plan, height, 1.0);
 }
 
@@ -46,9 +46,6 @@ fn vs_overflow(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32
 fn vs_last(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 1.0e-12, 1.0);
 }
-
-// Twin: CONE_PIXELS in src/relief/targets.rs.
-const CONE_PIXELS: i32 = 8;
 
 // Bits of the distance, id, bits of the facade coordinate (metres along the outline), packed normal.
 @fragment

@@ -1,4 +1,6 @@
-// Lights what the passes before found: orthophoto on ground and roofs, plain plaster on walls, sun with shadows, sky.
+// Lights what the passes before found: imagery on ground and roofs, plain plaster on walls, the sun past buildings and hills, the
+// sky past buildings. A sample of a pixel sends one ray to a point of the sun's disc and one to the sky: many samples converge,
+// and a single one has the same mean, only noisier.
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
 @group(2) @binding(1) var ground_normal: texture_2d<u32>;
@@ -24,14 +26,14 @@ fn random3(seed: vec3<u32>) -> vec3<f32> {
     return vec3<f32>(v >> vec3<u32>(8u)) / 16777216.0;
 }
 
-// Imagery at an eye-relative place, linear; alpha 0 where there is none.
+// Imagery at an eye-relative position, linear; alpha 0 where there is none.
 fn imagery_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
-    let place = (frame.eye_in_tile + plan) / frame.tile_m;
-    let tile = frame.eye_tile + vec2<i32>(floor(place));
+    let position = (frame.eye_in_tile + plan) / frame.tile_m;
+    let tile = frame.eye_tile + vec2<i32>(floor(position));
     if any((tile < vec2<i32>(0))) || any((tile >= frame.grid)) || frame.imagery_side <= 1.0 { return vec4<f32>(0.0); }
     let layer = textureLoad(tile_table, tile, 0).y;
     if layer < 0 { return vec4<f32>(0.0); }
-    let uv = fract(place);
+    let uv = fract(position);
     let pixels = t * frame.pixel_angle * frame.imagery_side / (frame.tile_m * sqrt(max(facing, 0.05)));
     let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), layer, log2(max(pixels, 1.0)));
     return colour;
@@ -56,14 +58,62 @@ fn bare_ground(normal: vec3<f32>) -> vec3<f32> {
     return mix(rock, grass, smoothstep(0.75, 0.97, normal.z));
 }
 
-fn is_open(at: vec3<f32>, normal: vec3<f32>, direction: vec3<f32>, reach: f32) -> bool {
-    let start = at + normal * (0.01 + 4.0e-6 * length(at));
-    return walk_city(make_ray(start, direction), 0.0, reach).t >= FAR;
+// Rays leave a surface from so far above it, metres: a fixed part, and what the rounding of a distance takes.
+const LIFT: vec2<f32> = vec2<f32>(0.01, 4.0e-6);
+
+// Where light that falls on a surface comes from: the surface, lifted. On the ground not below the DTM's own surface, from which
+// a far triangle may depart.
+fn lifted(at: vec3<f32>, normal: vec3<f32>, is_ground: bool) -> vec3<f32> {
+    let lift = LIFT.x + LIFT.y * length(at);
+    let start = at + normal * lift;
+    if !is_ground { return start; }
+    let position = (frame.eye_in_tile + start.xy) / frame.tile_m;
+    let layer = terrain_layer(frame.eye_tile + vec2<i32>(floor(position)));
+    if layer < 0 { return start; }
+    let surface = surface_at(fract(position) * f32(frame.terrain_side - 1u), u32(layer));
+    return vec3<f32>(start.xy, max(start.z, surface.height + lift));
 }
 
-// Whether the sun's disc and the sky's half are sampled, one ray each; else one ray to the sun's centre. A constant of
-// the pipeline, because a software device runs both sides of a branch.
-override STOCHASTIC: bool = false;
+// A rotation about `axis`: a unit vector at `radius` (sine) and `azimuth` from it.
+fn around(axis: vec3<f32>, radius: f32, azimuth: f32) -> vec3<f32> {
+    let pole = select(vec3<f32>(0.0, 0.0, 1.0), vec3<f32>(1.0, 0.0, 0.0), abs(axis.z) > 0.9);
+    let side = normalize(cross(axis, pole));
+    let across = cross(axis, side);
+    let plan = radius * (cos(azimuth) * side + sin(azimuth) * across);
+    return plan + sqrt(max(1.0 - radius * radius, 0.0)) * axis;
+}
+
+// Length of a ray to the sky, metres: what stands farther away hides little of it.
+const SKY_RAY_M: f32 = 60.0;
+// Light that a ray brings which meets a wall, or the ground, by that of the sky: what those send on. Estimates.
+const WALL_LIGHT: f32 = 0.45;
+const GROUND_LIGHT: f32 = 0.8;
+
+// Fraction of the sky's light that comes along one ray.
+fn sky_fraction(start: vec3<f32>, direction: vec3<f32>) -> f32 {
+    if direction.z <= 0.0 { return GROUND_LIGHT; }
+    let is_open = walk_city(make_ray(start, direction), 0.0, SKY_RAY_M).t >= FAR;
+    return select(WALL_LIGHT, 1.0, is_open);
+}
+
+// Whether a ray to the sun meets neither a building nor the ground.
+fn sees_sun(start: vec3<f32>, to_sun: vec3<f32>) -> bool {
+    let ray = make_ray(start, to_sun);
+    if walk_city(ray, 0.0, FAR).t < FAR { return false; }
+    return walk_ground(ray, 0.0, FAR) >= FAR;
+}
+
+// Numbers in 0..1 for a pixel's sample. In the plane: three low-discrepancy masks, so that neighbours differ evenly (R2: Roberts 2018;
+// interleaved gradient noise: Jimenez 2014). Along the samples: R3 (Roberts 2018).
+fn sample_numbers(pixel: vec2<i32>, index: u32) -> vec3<f32> {
+    let p = vec2<f32>(pixel);
+    let mask = vec3<f32>(
+        dot(p, vec2<f32>(0.75487767, 0.56984029)),
+        52.9829189 * fract(dot(p, vec2<f32>(0.06711056, 0.00583715))),
+        dot(p, vec2<f32>(0.56984029, 0.75487767)) + 0.5,
+    );
+    return fract(fract(mask) + f32(index) * vec3<f32>(0.8191725, 0.6710436, 0.5497005));
+}
 
 @fragment
 fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
@@ -77,10 +127,11 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         return Shaded(vec4<f32>(sky_colour(direction) + sun_disc(direction), 1.0), FAR, 0u);
     }
     let at = direction * t;
+    let is_ground = t_ground <= t_relief;
     var id = 0u;
     var normal: vec3<f32>;
     var albedo: vec3<f32>;
-    if t_relief < t_ground {
+    if !is_ground {
         id = relief.y;
         normal = unpack_normal(relief.w);
         if normal.z > 0.5 {
@@ -94,27 +145,15 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let seen = imagery_at(at.xy, t, abs(dot(direction, normal)));
         albedo = mix(bare_ground(normal), seen.rgb, seen.a);
     }
-    // Every pixel walks the same low-discrepancy sequence (R3: Roberts 2018) from a place of its own.
-    let random = fract(random3(vec3<u32>(vec2<u32>(pixel), 1u)) + f32(frame.sample) * vec3<f32>(0.8191725, 0.6710436, 0.5497005));
-    var to_sun = frame.sun.xyz;
-    var sky_share = 1.0;
-    if STOCHASTIC {
-        // A point of the solar disc, and one ray of the sky's half, cosine-weighted.
-        let turn = 6.2831853 * random.y;
-        let side = normalize(cross(normal, select(vec3<f32>(0.0, 0.0, 1.0), vec3<f32>(1.0, 0.0, 0.0), abs(normal.z) > 0.9)));
-        let across = cross(normal, side);
-        let r = sqrt(random.x);
-        let up = sqrt(1.0 - random.x);
-        let ambient_ray = normalize(r * cos(turn) * side + r * sin(turn) * across + up * normal);
-        if ambient_ray.z <= 0.0 || !is_open(at, normal, ambient_ray, 60.0) { sky_share = 0.45; }
-        if ambient_ray.z <= 0.0 { sky_share = 0.8; }
-        let disc_side = normalize(cross(to_sun, vec3<f32>(0.0, 0.0, 1.0)));
-        let wide = 0.0046 * sqrt(random.z);
-        to_sun = normalize(to_sun + wide * (cos(turn) * disc_side + sin(turn) * cross(to_sun, disc_side)));
-    }
+    let random = sample_numbers(pixel, frame.sample);
+    let start = lifted(at, normal, is_ground);
+    // The sky's half, cosine-weighted, and the sun's disc.
+    let azimuth = 2.0 * PI * random.y;
+    let sky = sky_irradiance(normal) * sky_fraction(start, around(normal, sqrt(random.x), azimuth));
+    let to_sun = around(frame.sun.xyz, frame.sun.w * sqrt(random.z), azimuth);
     let facing = max(dot(normal, to_sun), 0.0);
     var sun = vec3<f32>(0.0);
-    if facing > 0.0 && to_sun.z > 0.0 && is_open(at, normal, to_sun, FAR) { sun = sun_colour() * facing; }
-    let radiance = albedo * (sun + sky_share * ambient_light(normal)) / 2.5;
+    if facing > 0.0 && to_sun.z > 0.0 && sees_sun(start, to_sun) { sun = frame.sun_irradiance.xyz * facing; }
+    let radiance = albedo / PI * (sun + sky);
     return Shaded(vec4<f32>(through_haze(radiance, direction, t), 1.0), t, id);
 }

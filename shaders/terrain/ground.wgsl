@@ -1,31 +1,34 @@
-// The ground: lattice samples displaced by the DTM ("global vertex displacement", KR 10-0738500).
-// The vertex index is the sample's index; grid and TIN differ in their index buffers alone.
-
-struct GroundTile {
-    tile: vec2<i32>,
-    layer: u32,
-    padding: u32,
-}
-
-@group(1) @binding(0) var<storage, read> ground_tiles: array<GroundTile>;
-@group(1) @binding(1) var heights: texture_2d_array<f32>;
+// The ground: lattice positions displaced by the DTM ("global vertex displacement", KR 10-0738500).
+// The vertex index is the index of a mesh position; grid and TIN differ in their index buffers alone.
 
 struct GroundVertex {
     @builtin(position) clip: vec4<f32>,
     @location(0) at: vec3<f32>,
     // In samples from the tile's south-west corner.
-    @location(1) place: vec2<f32>,
+    @location(1) position: vec2<f32>,
     @location(2) @interpolate(flat) layer: u32,
+}
+
+// The bilinear surface at a mesh position. Weights 0 and 1 give the sample itself, so that tiles agree on their border.
+fn mesh_height(position: vec2<i32>, parts: i32, layer: u32) -> f32 {
+    let cell = min(position / parts, vec2<i32>(i32(frame.terrain_side) - 2));
+    let f = vec2<f32>(position - cell * parts) / f32(parts);
+    let h = cell_heights(cell, layer);
+    return (h.x * (1.0 - f.x) + h.y * f.x) * (1.0 - f.y) + (h.z * (1.0 - f.x) + h.w * f.x) * f.y;
 }
 
 @vertex
 fn vs(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> GroundVertex {
     let tile = ground_tiles[instance];
-    let sample = vec2<i32>(i32(index % frame.terrain_side), i32(index / frame.terrain_side));
-    let height = textureLoad(heights, sample, tile.layer, 0).x;
-    let plan = tile_corner(tile.tile) + vec2<f32>(sample) * frame.terrain_step_m;
-    let at = vec3<f32>(plan, height - frame.eye_elevation);
-    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, vec2<f32>(sample), tile.layer);
+    let parts = i32(tile.mesh_parts);
+    let last = (i32(frame.terrain_side) - 1) * parts;
+    let position = vec2<i32>(i32(index) % (last + 1), i32(index) / (last + 1));
+    // The far border is the next tile's near one, rounding included: no gap opens between tiles.
+    let next = position / last;
+    let plan = tile_corner(tile.tile + next) + vec2<f32>(position - next * last) * (frame.terrain_step_m / f32(parts));
+    let at = vec3<f32>(plan, mesh_height(position, parts, tile.layer) - frame.eye_elevation);
+    let in_samples = vec2<f32>(position) / f32(parts);
+    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, in_samples, tile.layer);
 }
 
 struct GroundSurface {
@@ -34,27 +37,8 @@ struct GroundSurface {
     @location(1) normal: u32,
 }
 
-// The DTM's bilinear surface near a place: height above the eye and slope.
-struct Surface {
-    height: f32,
-    slope: vec2<f32>,
-}
-
-fn surface_at(place: vec2<f32>, layer: u32) -> Surface {
-    let cell = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>(i32(frame.terrain_side) - 2));
-    let f = clamp(place - vec2<f32>(cell), vec2<f32>(-0.5), vec2<f32>(1.5));
-    let h00 = textureLoad(heights, cell, layer, 0).x;
-    let h10 = textureLoad(heights, cell + vec2<i32>(1, 0), layer, 0).x;
-    let h01 = textureLoad(heights, cell + vec2<i32>(0, 1), layer, 0).x;
-    let h11 = textureLoad(heights, cell + vec2<i32>(1, 1), layer, 0).x;
-    let south = mix(h00, h10, f.x);
-    let north = mix(h01, h11, f.x);
-    let slope = vec2<f32>(mix(h10 - h00, h11 - h01, f.y), north - south) / frame.terrain_step_m;
-    return Surface(mix(south, north, f.y) - frame.eye_elevation, slope);
-}
-
 // Newton steps from the triangle to the DTM itself.
-const MAX_STEPS: i32 = 3;
+const MAX_NEWTON_STEPS: i32 = 3;
 // Good enough, metres.
 const NEAR_ENOUGH_M: f32 = 0.01;
 // Least loss of height above the ground per metre along the ray: below it the ray grazes and the triangle stays.
@@ -69,14 +53,14 @@ fn fs(in: GroundVertex) -> GroundSurface {
     let on_mesh = length(in.at);
     let direction = in.at / on_mesh;
     var t = on_mesh;
-    var surface = surface_at(in.place, in.layer);
+    var surface = surface_at(in.position, in.layer);
     var above = in.at.z - surface.height;
-    for (var i = 0; i < MAX_STEPS; i += 1) {
+    for (var i = 0; i < MAX_NEWTON_STEPS; i += 1) {
         let closing = dot(surface.slope, direction.xy) - direction.z;
         if abs(above) < NEAR_ENOUGH_M || closing < MIN_CLOSING { break; }
         t = clamp(t + above / closing, on_mesh - MAX_CARRY_M, on_mesh + MAX_CARRY_M);
         let at = direction * t;
-        surface = surface_at(in.place + (at.xy - in.at.xy) / frame.terrain_step_m, in.layer);
+        surface = surface_at(in.position + (at.xy - in.at.xy) / frame.terrain_step_m, in.layer);
         above = at.z - surface.height;
     }
     // Over a crest the steps may lead nowhere: then the triangle stands.

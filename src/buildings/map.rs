@@ -80,24 +80,54 @@ pub enum CellKind {
     List(u32),
 }
 
-const KIND_SHIFT: u32 = 30;
-const INSIDE_BIT: u32 = 1 << 29;
-const MORE_BIT: u32 = 1 << 28;
-const EDGES_SHIFT: u32 = 24;
+/// Where the fields of a cell code lie; shaders get them in their prelude.
+pub struct CellFields {
+    /// Bits below the kind.
+    pub kind_shift: u32,
+    /// Kind of a texel under one roof.
+    pub full: u32,
+    /// Kind of a texel with one run of edges.
+    pub run: u32,
+    /// Kind of a texel with a list.
+    pub list: u32,
+    /// The reference point lies inside.
+    pub inside_bit: u32,
+    /// The next code belongs to the same building.
+    pub more_bit: u32,
+    /// Bits below the number of edges less one.
+    pub edges_shift: u32,
+    /// That number's mask.
+    pub edges_mask: u32,
+    /// Mask of an index.
+    pub index_mask: u32,
+}
+
+/// The fields.
+pub const CELL: CellFields = CellFields {
+    kind_shift: 30,
+    full: 1,
+    run: 2,
+    list: 3,
+    inside_bit: 1 << 29,
+    more_bit: 1 << 28,
+    edges_shift: 24,
+    edges_mask: 15,
+    index_mask: (1 << 24) - 1,
+};
 /// Indices in a code have 24 bits.
-pub const INDEX_LIMIT: usize = 1 << 24;
+pub const INDEX_LIMIT: usize = CELL.index_mask as usize + 1;
 
 impl CellKind {
     /// Reads a code.
     pub fn from_code(code: u32) -> Self {
-        let index = code & (INDEX_LIMIT as u32 - 1);
-        match code >> KIND_SHIFT {
+        let index = code & CELL.index_mask;
+        match code >> CELL.kind_shift {
             0 => Self::Empty,
-            1 => Self::Full(index),
-            2 => Self::Run(Run {
-                inside: code & INSIDE_BIT != 0,
-                more: code & MORE_BIT != 0,
-                edges: ((code >> EDGES_SHIFT) & 15) + 1,
+            kind if kind == CELL.full => Self::Full(index),
+            kind if kind == CELL.run => Self::Run(Run {
+                inside: code & CELL.inside_bit != 0,
+                more: code & CELL.more_bit != 0,
+                edges: ((code >> CELL.edges_shift) & CELL.edges_mask) + 1,
                 first: index,
             }),
             _ => Self::List(index),
@@ -108,15 +138,15 @@ impl CellKind {
     pub fn code(self) -> u32 {
         match self {
             Self::Empty => 0,
-            Self::Full(building) => (1 << KIND_SHIFT) | building,
+            Self::Full(building) => (CELL.full << CELL.kind_shift) | building,
             Self::Run(run) => {
-                (2 << KIND_SHIFT)
-                    | if run.inside { INSIDE_BIT } else { 0 }
-                    | if run.more { MORE_BIT } else { 0 }
-                    | ((run.edges - 1) << EDGES_SHIFT)
+                (CELL.run << CELL.kind_shift)
+                    | if run.inside { CELL.inside_bit } else { 0 }
+                    | if run.more { CELL.more_bit } else { 0 }
+                    | ((run.edges - 1) << CELL.edges_shift)
                     | run.first
             }
-            Self::List(offset) => (3 << KIND_SHIFT) | offset,
+            Self::List(offset) => (CELL.list << CELL.kind_shift) | offset,
         }
     }
 }

@@ -3,10 +3,12 @@
 
 mod base;
 mod map;
+mod map_tile;
 mod pyramid;
 mod rasterise;
 
 pub use base::{Building, NoGround, base_of, triangle_bytes};
-pub use map::{BuildingMap, CellKind, OutlineVertex, RoofRecord, Run};
-pub use pyramid::Pyramid;
+pub use map::{BuildingMap, CELL, CellFields, CellKind, OutlineVertex, RoofRecord, Run};
+pub use map_tile::MapTile;
+pub use pyramid::{Pyramid, STEPS as PYRAMID_STEPS};
 pub use rasterise::{MapTooLarge, rasterise};

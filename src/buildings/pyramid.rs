@@ -24,8 +24,8 @@ pub struct Pyramid {
 /// Children along a node's side.
 const CHILDREN: usize = 4;
 /// Steps between the lowest and the highest elevation that a byte stands for: 254, and so much less that rounding cannot bring
-/// the last one under the highest roof. Twin: `step_of` in `shaders/lib/building_map.wgsl`.
-const STEPS: f32 = 253.99;
+/// the last one under the highest roof. Shaders have it as `PYRAMID_STEPS`.
+pub const STEPS: f32 = 253.99;
 
 impl Pyramid {
     /// Builds all levels. `low` is the tile's lowest ground, metres; a roof under it counts as high as it.

@@ -10,7 +10,7 @@ use crate::space::Bounds;
 
 /// A tile holds more outline than a code can index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("more than 16 million outline vertices in one tile; use smaller texels (--texel)")]
+#[error("more than 16 million outline vertices in one tile")]
 pub struct MapTooLarge;
 
 /// Texels are widened by this when edges are handed out, so that rounding on the GPU meets no gap, metres.

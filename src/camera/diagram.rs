@@ -19,7 +19,7 @@ const MARGIN_MM: f64 = 4.0;
 /// The drawing, in millimetres. With a ghost, its rays at the centre angle alone. `angles` in radians.
 pub fn lens_diagram(lens: &Lens, wavelength_um: f64, angles: &[f64], ghost: Option<Ghost>) -> String {
     let paraxial = Paraxial::new(lens, wavelength_um, None);
-    let vertices = vertex_places(lens);
+    let vertices = vertex_positions(lens);
     let sensor_z = vertices.last().copied().unwrap_or(0.0) + paraxial.sensor_gap_mm();
     let clear = |surface: usize| {
         let known = lens.surfaces[surface].semi_diameter_mm;
@@ -70,26 +70,27 @@ pub fn lens_diagram(lens: &Lens, wavelength_um: f64, angles: &[f64], ghost: Opti
         -half_film
     ));
     let tracer = Tracer::new(lens, wavelength_um, paraxial.sensor_gap_mm());
-    let ways: Vec<Option<Ghost>> = match ghost {
+    let paths: Vec<Option<Ghost>> = match ghost {
         Some(ghost) => vec![None, Some(ghost)],
         None => vec![None],
     };
     let pupil = paraxial.entrance_pupil(stop);
-    for way in ways {
+    for ghost_path in paths {
         for (angle, colour) in angles.iter().zip(COLOURS.iter().cycle()) {
-            let colour = if way.is_some() { "#d68910" } else { colour };
+            let colour = if ghost_path.is_some() { "#d68910" } else { colour };
             // Aim at the pupil: what the stop lets through, by the paraxial image of its centre.
-            let ma = paraxial.matrices(way).ma;
+            let ma = paraxial.matrices(ghost_path).ma;
             let aim = -ma.y_axis.x * angle.tan() / ma.x_axis.x;
-            let reach = if way.is_some() {
+            let half_extent = if ghost_path.is_some() {
                 clear(lens.stop) / ma.x_axis.x.abs()
             } else {
                 pupil
             };
             for ray in 0..RAYS {
-                let height = aim + reach * (2.0 * f64::from(ray) / f64::from(RAYS - 1) - 1.0) * 0.98;
+                let height = aim + half_extent * (2.0 * f64::from(ray) / f64::from(RAYS - 1) - 1.0) * 0.98;
                 let entry = DVec2::new(height.clamp(-clear(0), clear(0)), 0.0);
-                let Some(points) = tracer.points(way, entry, beam_direction(*angle), &vertices, sensor_z)
+                let Some(points) =
+                    tracer.points(ghost_path, entry, beam_direction(*angle), &vertices, sensor_z)
                 else {
                     continue;
                 };
@@ -109,8 +110,8 @@ pub fn lens_diagram(lens: &Lens, wavelength_um: f64, angles: &[f64], ghost: Opti
     svg
 }
 
-/// Place of each vertex on the axis, the first at 0, millimetres.
-fn vertex_places(lens: &Lens) -> Vec<f64> {
+/// Position of each vertex on the axis, the first at 0, millimetres.
+fn vertex_positions(lens: &Lens) -> Vec<f64> {
     lens.surfaces
         .iter()
         .scan(0.0, |z, surface| {
@@ -127,8 +128,8 @@ fn element(lens: &Lens, vertices: &[f64], index: usize, front: f64, back: f64) -
     let curve = |surface: &Surface, z: f64, clear: f64, down: bool| -> Vec<DVec2> {
         (0..=24)
             .map(|k| {
-                let share = f64::from(k) / 12.0 - 1.0;
-                let y = clear * if down { -share } else { share };
+                let fraction = f64::from(k) / 12.0 - 1.0;
+                let y = clear * if down { -fraction } else { fraction };
                 DVec2::new(z + surface.sag(y), y)
             })
             .collect()
@@ -155,8 +156,8 @@ fn element(lens: &Lens, vertices: &[f64], index: usize, front: f64, back: f64) -
 }
 
 impl Tracer<'_> {
-    /// The ray's corners as (place on the axis, height) in its plane, from the first surface to the sensor; none when a
-    /// barrel or the stop holds it.
+    /// The ray's points as (position on the axis, height) in its plane, from the first surface to the sensor; none when it is
+    /// vignetted or the stop holds it.
     fn points(
         &self,
         ghost: Option<Ghost>,
@@ -165,7 +166,7 @@ impl Tracer<'_> {
         vertices: &[f64],
         sensor_z: f64,
     ) -> Option<Vec<DVec2>> {
-        let (ray, met) = self.trace_corners(ghost, entry, direction)?;
+        let (ray, met) = self.trace_points(ghost, entry, direction)?;
         if !ray.is_alive() {
             return None;
         }

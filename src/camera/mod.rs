@@ -1,28 +1,37 @@
-//! The optics between radiance and the picture: the lens, its ways of light, and the development of the picture.
+//! The optics between radiance and the image: the camera, its lens, the paths of light through it, what it adds, and tone mapping.
 //!
 //! ```text
-//! lens ─▶ path ─▶ paraxial ─┐
+//! lens ─▶ path ─▶ paraxial ─┬▶ optics (Camera: projection, sun on the sensor)
 //!               └▶ trace ───┴▶ diagram, flare
 //!                   └▶ rays (its twin on the GPU, many at once)
-//! radiance ─▶ flare ─▶ develop ─▶ picture
+//! radiance ─▶ accumulate ─┐
+//!                  flare ─┴▶ tone_map ─▶ image
 //! ```
 
-mod develop;
+mod accumulate;
 mod diagram;
+mod exposure;
 pub mod flare;
 pub mod lens;
 mod paraxial;
+mod optics;
 mod path;
 mod rays;
 mod shaders;
+mod tone_map;
+mod tone_curve;
 mod trace;
 
-pub use develop::Develop;
+pub use accumulate::Accumulate;
 pub use diagram::lens_diagram;
+pub use exposure::auto_exposure;
+pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics};
 pub use paraxial::{
     Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
 };
 pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use rays::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
+pub use tone_curve::{START_COMPRESSION, shoulder, srgb, tone_curve, tone_mapped};
+pub use tone_map::{Exposure, ToneMap};
 pub use trace::{TracedRay, Tracer, beam_direction};

@@ -9,7 +9,7 @@ use glam::{DMat2, DVec2};
 use super::lens::Lens;
 use super::path::{Ghost, Step, path};
 
-/// Matrices of one way through the lens.
+/// Matrices of one path through the lens.
 #[derive(Clone, Copy, Debug)]
 pub struct PathMatrices {
     /// From the plane of the first vertex to the stop (its first crossing).

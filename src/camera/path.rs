@@ -1,4 +1,4 @@
-//! The ways of light through a lens: straight on, or as a ghost with two reflections.
+//! The paths of light through a lens: straight on, or as a ghost with two reflections.
 
 use super::lens::Lens;
 
@@ -23,7 +23,7 @@ pub struct Step {
     pub reflects: bool,
 }
 
-/// All meetings in order; without a ghost, the way of the image.
+/// All meetings in order; without a ghost, the path of the image.
 pub fn path(surfaces: usize, ghost: Option<Ghost>) -> Vec<Step> {
     let step = |forward, reflects| {
         move |surface| Step {

@@ -1,6 +1,6 @@
 //! Grids of rays on the GPU, f32: many at once, by the shader twin of `trace`.
 //!
-//! Shape: one `Bundle` is a square grid over a rectangle of the entrance, for one way, wavelength and angle.
+//! Shape: one `Bundle` is a square grid over a rectangle of the entrance, for one path, wavelength and angle.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec2;
@@ -9,21 +9,21 @@ use super::lens::Lens;
 use super::path::{Ghost, path};
 use super::shaders::RAYS;
 use super::trace::TracedRay;
-use crate::gpu::{Gpu, GpuError, read_buffer, shader_module, storage_buffer};
+use crate::gpu::{Gpu, GpuError, OUTPUT, RECORDS, empty_buffer, read_buffer, shader_module, storage_buffer};
 
 /// A grid of rays to trace.
 #[derive(Clone, Copy, Debug)]
 pub struct Bundle {
-    /// The way; none is the image's.
+    /// The path; none is the image's.
     pub ghost: Option<Ghost>,
     /// Micrometres.
     pub wavelength_um: f64,
     /// Angle of the beam from the axis, in the x-z plane, radians.
     pub angle: f64,
-    /// Corners on the plane of the first vertex, millimetres.
-    pub low: DVec2,
-    /// See `low`.
-    pub high: DVec2,
+    /// Least coordinates on the plane of the first vertex, millimetres.
+    pub min: DVec2,
+    /// Greatest coordinates.
+    pub max: DVec2,
 }
 
 /// Layout of `Interface` in `shaders/lib/trace.wgsl`, where each field is explained.
@@ -50,14 +50,14 @@ pub struct InterfaceRecord {
 #[repr(C)]
 #[allow(missing_docs)]
 pub struct BundleRecord {
-    pub low_mm: [f32; 2],
-    pub high_mm: [f32; 2],
+    pub min_mm: [f32; 2],
+    pub max_mm: [f32; 2],
     pub direction: [f32; 2],
     pub sensor_gap_mm: f32,
     pub wavelength_um: f32,
     pub first: u32,
     pub count: u32,
-    pub side: u32,
+    pub size: u32,
     pub padding: u32,
 }
 
@@ -74,58 +74,57 @@ pub struct RayRecord {
     pub padding: u32,
 }
 
-const REFLECTS: u32 = 1;
-const STOP: u32 = 2;
+/// Flags of an interface: light is reflected there; it is the stop.
+pub const REFLECTS: u32 = 1;
+/// See `REFLECTS`.
+pub const STOP: u32 = 2;
+/// Power of a ray that does not arrive.
+pub const LOST: f32 = -1.0;
 /// Clear radius of a surface without one, millimetres.
 const OPEN_MM: f32 = 1e30;
-/// Rays of a workgroup; the shader's `workgroup_size`.
-const GROUP: u32 = 64;
+/// Rays of a workgroup.
+pub const WORKGROUP: u32 = 64;
 /// Most bytes of rays at a time.
 const MAX_BYTES: u64 = 64 << 20;
 
 /// The pipeline.
 pub struct RayPass {
     pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
 }
 
 impl RayPass {
     /// Compiles the shader.
     pub fn new(gpu: &Gpu) -> Self {
         let module = shader_module(gpu, &RAYS);
-        let pipeline = gpu
-            .device
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("rays"),
-                layout: None,
-                module: &module,
-                entry_point: Some("cs"),
-                compilation_options: Default::default(),
-                cache: None,
-            });
-        Self { pipeline }
+        let layout = gpu.layout("rays", &[RECORDS, RECORDS, RECORDS, RECORDS, OUTPUT]);
+        Self {
+            pipeline: gpu.compute_pipeline("rays", &module, &layout),
+            layout,
+        }
     }
 
-    /// Traces every bundle on a grid of `side` rays a side; row by row, none for a lost ray.
+    /// Traces every bundle on a grid of `size` x `size` rays; row by row, none for a lost ray.
     pub fn trace(
         &self,
         gpu: &Gpu,
         lens: &Lens,
         sensor_gap_mm: f64,
         bundles: &[Bundle],
-        side: usize,
+        size: usize,
     ) -> Result<Vec<Vec<Option<TracedRay>>>, GpuError> {
-        let side = side.max(2);
+        let size = size.max(2);
         let limits = gpu.device.limits();
         let max_bytes = MAX_BYTES.min(limits.max_storage_buffer_binding_size);
-        let each = (side * side * size_of::<RayRecord>()) as u64;
+        let each = (size * size * size_of::<RayRecord>()) as u64;
         gpu.require("a grid of rays", each, max_bytes)?;
         let at_once = (max_bytes / each).min(u64::from(limits.max_compute_workgroups_per_dimension)) as usize;
         let mut grids = Vec::with_capacity(bundles.len());
         for part in bundles.chunks(at_once.max(1)) {
-            let records = self.trace_part(gpu, lens, sensor_gap_mm, part, side)?;
+            let records = self.trace_part(gpu, lens, sensor_gap_mm, part, size)?;
             grids.extend(
                 records
-                    .chunks_exact(side * side)
+                    .chunks_exact(size * size)
                     .map(|grid| grid.iter().map(ray).collect()),
             );
         }
@@ -138,57 +137,43 @@ impl RayPass {
         lens: &Lens,
         sensor_gap_mm: f64,
         bundles: &[Bundle],
-        side: usize,
+        size: usize,
     ) -> Result<Vec<RayRecord>, GpuError> {
-        let mut ways = Ways::default();
+        let mut paths = Paths::default();
         let records: Vec<BundleRecord> = bundles
             .iter()
             .map(|bundle| {
-                let (first, count) = ways.add(lens, bundle);
+                let (first, count) = paths.add(lens, bundle);
                 BundleRecord {
-                    low_mm: bundle.low.as_vec2().to_array(),
-                    high_mm: bundle.high.as_vec2().to_array(),
+                    min_mm: bundle.min.as_vec2().to_array(),
+                    max_mm: bundle.max.as_vec2().to_array(),
                     direction: [bundle.angle.sin() as f32, bundle.angle.cos() as f32],
                     sensor_gap_mm: sensor_gap_mm as f32,
                     wavelength_um: bundle.wavelength_um as f32,
                     first,
                     count,
-                    side: side as u32,
+                    size: size as u32,
                     padding: 0,
                 }
             })
             .collect();
-        let bytes = (bundles.len() * side * side * size_of::<RayRecord>()) as u64;
-        let rays = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("rays"),
-            size: bytes,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let bytes = (bundles.len() * size * size * size_of::<RayRecord>()) as u64;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let rays = empty_buffer(gpu, "rays", bytes, usage);
         let buffers = [
-            storage_buffer(gpu, "interfaces", &ways.interfaces)?,
-            storage_buffer(gpu, "films", &ways.films)?,
-            storage_buffer(gpu, "aspheric terms", &ways.terms)?,
+            storage_buffer(gpu, "interfaces", &paths.interfaces)?,
+            storage_buffer(gpu, "films", &paths.films)?,
+            storage_buffer(gpu, "aspheric terms", &paths.terms)?,
             storage_buffer(gpu, "bundles", &records)?,
             rays,
         ];
-        let entries: Vec<_> = (0..)
-            .zip(&buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("rays"),
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
+        let resources = buffers.each_ref().map(wgpu::Buffer::as_entire_binding);
+        let group = gpu.group("rays", &self.layout, &resources);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
-        let groups = ((side * side) as u32).div_ceil(GROUP);
+        let groups = ((size * size) as u32).div_ceil(WORKGROUP);
         pass.dispatch_workgroups(groups, bundles.len() as u32, 1);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
@@ -198,13 +183,13 @@ impl RayPass {
 
 /// The paths of all bundles, one after the other.
 #[derive(Default)]
-struct Ways {
+struct Paths {
     interfaces: Vec<InterfaceRecord>,
     films: Vec<[f32; 2]>,
     terms: Vec<f32>,
 }
 
-impl Ways {
+impl Paths {
     /// Adds a bundle's path; its first interface and their number.
     fn add(&mut self, lens: &Lens, bundle: &Bundle) -> (u32, u32) {
         let indices = lens.indices(bundle.wavelength_um);
@@ -220,8 +205,8 @@ impl Ways {
                 }
             });
             before = Some(step.surface);
-            let sides = [indices[step.surface], indices[step.surface + 1]];
-            let [index_before, index_after] = if step.forward { sides } else { [sides[1], sides[0]] };
+            let media = [indices[step.surface], indices[step.surface + 1]];
+            let [index_before, index_after] = if step.forward { media } else { [media[1], media[0]] };
             let (first_film, first_term) = (self.films.len(), self.terms.len());
             let layers = surface.coating.iter().flat_map(|coating| &coating.layers);
             let mut films: Vec<[f32; 2]> = layers

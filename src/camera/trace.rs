@@ -32,7 +32,7 @@ pub struct TracedRay {
     pub relative_height: f64,
     /// Largest ratio of its height to the stop's clear radius.
     pub relative_stop: f64,
-    /// Share of its power that arrives (Fresnel and coatings).
+    /// Fraction of its power that arrives (Fresnel and coatings).
     pub power: f64,
 }
 
@@ -78,15 +78,15 @@ impl<'a> Tracer<'a> {
     }
 
     /// As `trace`, with where each surface is met, in the coordinates of its vertex.
-    pub fn trace_corners(
+    pub fn trace_points(
         &self,
         ghost: Option<Ghost>,
         entry_mm: DVec2,
         direction: DVec3,
     ) -> Option<(TracedRay, Vec<DVec3>)> {
-        let mut corners = Vec::new();
-        let ray = self.follow(ghost, entry_mm, direction, |at| corners.push(at))?;
-        Some((ray, corners))
+        let mut points = Vec::new();
+        let ray = self.follow(ghost, entry_mm, direction, |at| points.push(at))?;
+        Some((ray, points))
     }
 
     fn follow(
@@ -172,7 +172,7 @@ fn meet(surface: &Surface, start: DVec3, d: DVec3) -> Option<DVec3> {
     } else {
         surface.radius_mm.recip()
     };
-    // c (1 + k N²) s² - 2 g s + f = 0 for the way s from the vertex plane (N = d.z), the root near the vertex.
+    // c (1 + k N²) s² - 2 g s + f = 0 for the distance s from the vertex plane (N = d.z), the root near the vertex.
     let f = c * on_plane.xy().length_squared();
     let g = d.z - c * on_plane.xy().dot(d.xy());
     let square = g * g - c * f * (1.0 + surface.conic * d.z * d.z);

@@ -1,7 +1,7 @@
 //! The three tile kinds as TIFF files.
 //!
 //! Terrain: page 1 heights (f32, samples on the tile's border included, so the raster reaches half a pixel beyond
-//! the tile), page 2 the triangles of the TIN (u32, 3 sample indices a row).
+//! the tile), page 2 the triangles of the TIN (u32, 3 indices of mesh positions a row: `HeightTile::mesh_parts`).
 //!
 //! Buildings: page 1 roof elevation and page 2 building id per texel (what a GIS shows), page 3 the  cell codes,
 //! page 4 outline vertices (x, y, along, building; f32, the building's bits as they are), page 5 piece lists,
@@ -22,7 +22,7 @@ use crate::terrain::HeightTile;
 pub struct TerrainTile {
     /// Heights.
     pub ground: HeightTile,
-    /// Triangles of the TIN, as sample indices.
+    /// Triangles of the TIN, as indices of mesh positions.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -75,16 +75,21 @@ pub fn read_terrain(path: &Path, side: usize, step_m: f64) -> Result<TerrainTile
     if heights.len() != side * side {
         return Err(damaged(path, "a page has more than one band".to_owned()));
     }
-    if indices.iter().any(|&index| index as usize >= side * side) {
-        return Err(damaged(path, "a triangle's corner is no sample".to_owned()));
+    let ground = HeightTile {
+        side,
+        step_m,
+        heights: flipped(&heights, side),
+    };
+    let positions = ground.mesh_side() * ground.mesh_side();
+    if indices.iter().any(|&index| index as usize >= positions) {
+        return Err(damaged(
+            path,
+            "a triangle's corner is no position of the mesh".to_owned(),
+        ));
     }
     let (triangles, _) = indices.as_chunks::<3>();
     Ok(TerrainTile {
-        ground: HeightTile {
-            side,
-            step_m,
-            heights: flipped(&heights, side),
-        },
+        ground,
         triangles: triangles.to_vec(),
     })
 }

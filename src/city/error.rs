@@ -1,9 +1,12 @@
-//! Why a city could not be written or read.
+//! Why a city could not be written or read. What a command can be told instead is the command line's to say
+//! (`cli::advice`).
 
 use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::import::Setting;
+use crate::buildings::MapTooLarge;
 use crate::source::SourceError;
 use crate::space::CrsError;
 
@@ -33,20 +36,102 @@ pub enum CityError {
         why: String,
     },
     /// The folder is no city.
-    #[error("{}: is not a city ({why}); make one with: rilievo import --terrain .. --buildings .. --out {}", path.display(), path.display())]
+    #[error("{}: is not a city ({why})", path.display())]
     NotACity {
         /// The folder.
         path: PathBuf,
         /// What is wrong.
         why: String,
     },
-    /// The sources do not make a city together.
-    #[error("{what}; {advice}")]
-    Unfit {
-        /// What is wrong.
-        what: String,
-        /// What to do.
-        advice: String,
+    /// The place of the city to make is taken by something else.
+    #[error("{}: exists and is not a city", path.display())]
+    Occupied {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The city to make has no name.
+    #[error("{}: is no folder name", path.display())]
+    NoFolderName {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The old city's folder holds what no import made.
+    #[error("{}: is not part of a city and would be lost", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The old city's footprint dataset was edited.
+    #[error("{}: is newer than the city's manifest: an edit since the city was made, which an import would lose", path.display())]
+    Edited {
+        /// The footprint dataset.
+        path: PathBuf,
+    },
+    /// A source lies in the old city.
+    #[error("{}: lies inside the city that the import replaces", path.display())]
+    InputInside {
+        /// The source.
+        path: PathBuf,
+    },
+    /// A number that no city can be made with.
+    #[error("{setting} of {value} is out of range ({min} to {max})")]
+    OutOfRange {
+        /// Which.
+        setting: Setting,
+        /// What was given.
+        value: f64,
+        /// Smallest value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
+    /// The footprint layer holds nothing.
+    #[error("{}: its layer holds no features", path.display())]
+    EmptyLayer {
+        /// The footprint file.
+        path: PathBuf,
+    },
+    /// No footprint lies on the terrain.
+    #[error("{}: no footprint lies on the terrain (terrain: {terrain}; footprints: {footprints}; {rejected})", path.display())]
+    Apart {
+        /// The footprint file.
+        path: PathBuf,
+        /// Extent of the terrain.
+        terrain: String,
+        /// Extent of the footprints.
+        footprints: String,
+        /// Features read and why some became no building.
+        rejected: String,
+    },
+    /// The terrain has holes where the buildings are.
+    #[error("{}: has no ground where the buildings are; check that both files show the same place", path.display())]
+    NoGround {
+        /// The terrain file.
+        path: PathBuf,
+    },
+    /// Every footprint was rejected.
+    #[error("{}: no footprint could be kept ({rejected})", path.display())]
+    NoBuildings {
+        /// The footprint file.
+        path: PathBuf,
+        /// Features read and why they became no building.
+        rejected: String,
+    },
+    /// More tiles than a city may have.
+    #[error("the city would have {tiles:.0} tiles ({extent})")]
+    TooManyTiles {
+        /// How many.
+        tiles: f64,
+        /// Extent of the city.
+        extent: String,
+    },
+    /// A tile has too many vertices.
+    #[error("{}: {source}", path.display())]
+    TileTooLarge {
+        /// The tile.
+        path: PathBuf,
+        /// How many are too many.
+        source: MapTooLarge,
     },
 }
 

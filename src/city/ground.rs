@@ -10,6 +10,7 @@ use glam::DVec2;
 use super::CityError;
 use super::codec::read_terrain;
 use super::store::{Layer, tile_path};
+use super::tile::ground_at;
 use crate::space::{TileGrid, TileId};
 use crate::terrain::HeightTile;
 
@@ -82,12 +83,6 @@ impl Ground {
 
     /// Ground at a point of the city, metres.
     pub fn at(&self, x: f64, y: f64) -> Result<Option<f64>, CityError> {
-        let Some(id) = self.grid.tile_at(DVec2::new(x, y)) else {
-            return Ok(None);
-        };
-        let origin = self.grid.origin(id);
-        Ok(self
-            .tile(id)?
-            .and_then(|tile| tile.ground(x - origin.x, y - origin.y)))
+        ground_at(&self.grid, DVec2::new(x, y), |id| self.tile(id))
     }
 }

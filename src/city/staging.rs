@@ -23,9 +23,8 @@ impl Staging {
             let occupied =
                 !target.is_dir() || fs::read_dir(target).is_ok_and(|mut entries| entries.next().is_some());
             if occupied {
-                return Err(CityError::Unfit {
-                    what: format!("{}: exists and is not a city", target.display()),
-                    advice: "choose another --out or remove it yourself".to_owned(),
+                return Err(CityError::Occupied {
+                    path: target.to_owned(),
                 });
             }
         }
@@ -36,9 +35,8 @@ impl Staging {
         refuse_edited(target)?;
         let mut name = target.file_name().unwrap_or_default().to_owned();
         if name.is_empty() {
-            return Err(CityError::Unfit {
-                what: format!("{}: is no folder name", target.display()),
-                advice: "give --out a folder to make".to_owned(),
+            return Err(CityError::NoFolderName {
+                path: target.to_owned(),
             });
         }
         name.push(".partial");
@@ -105,13 +103,7 @@ fn refuse_foreign(folder: &Path, own: &[&str]) -> Result<(), CityError> {
     };
     for entry in entries.flatten() {
         if !own.iter().any(|name| entry.file_name() == **name) {
-            return Err(CityError::Unfit {
-                what: format!(
-                    "{}: is not part of a city and would be lost",
-                    entry.path().display()
-                ),
-                advice: "move it elsewhere, or choose another --out".to_owned(),
-            });
+            return Err(CityError::Foreign { path: entry.path() });
         }
     }
     Ok(())
@@ -126,12 +118,8 @@ fn refuse_edited(target: &Path) -> Result<(), CityError> {
     if map <= manifest {
         return Ok(());
     }
-    Err(CityError::Unfit {
-        what: format!(
-            "{}: is newer than the city's manifest: an edit since the city was made, which an import would lose",
-            target.join("buildings.gpkg").display()
-        ),
-        advice: "move it elsewhere (and import it with --buildings), or choose another --out".to_owned(),
+    Err(CityError::Edited {
+        path: target.join("buildings.gpkg"),
     })
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::codec::{self, ImageryTile, TerrainTile};
 use super::manifest::FORMAT;
-use super::{CityError, Manifest};
+use super::{CityError, Manifest, Tile};
 use crate::buildings::BuildingMap;
 use crate::space::TileId;
 
@@ -153,7 +153,7 @@ impl City {
         self.existing(Layer::Buildings, tile).is_some()
     }
 
-    /// True when the tile has a orthophoto.
+    /// True when the tile has an orthophoto.
     pub fn has_imagery(&self, tile: TileId) -> bool {
         self.manifest.imagery_side > 0 && self.existing(Layer::Imagery, tile).is_some()
     }
@@ -178,5 +178,18 @@ impl City {
             .filter(|_| self.manifest.imagery_side > 0)
             .map(|path| codec::read_imagery(&path, self.manifest.imagery_side))
             .transpose()
+    }
+
+    /// All layers of a tile.
+    ///
+    /// # Errors
+    /// When a file of it is damaged.
+    pub fn tile(&self, id: TileId) -> Result<Tile, CityError> {
+        Ok(Tile::new(
+            id,
+            self.terrain(id)?,
+            self.buildings(id)?,
+            self.imagery(id)?,
+        ))
     }
 }

@@ -25,6 +25,8 @@ pub enum Command {
     Info(super::info::InfoArgs),
     /// Draw one view to a PNG.
     Render(super::render::RenderArgs),
+    /// Open a window and fly through a city.
+    Fly(super::fly::FlyArgs),
     /// Lens prescriptions: first-order data, ghosts, exact rays, drawings.
     #[command(subcommand)]
     Lens(super::lens::LensCommand),

@@ -8,14 +8,17 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::CommandError;
-use super::render::{light, size};
+use super::camera_flags::sun;
 use super::statistics::median;
+use super::values::size;
 use crate::buildings::Building;
+use crate::camera::Camera;
 use crate::city::City;
-use crate::output::{PictureRequest, Renderer};
-use crate::relief::{CpuMap, ReliefMode};
-use crate::scene::{Frustum, TerrainMesh};
-use crate::space::View;
+use crate::gpu::{Gpu, PassTimes};
+use crate::output::{FrameRequest, RenderError, Renderer};
+use crate::relief::{ReliefMode, cast_buildings};
+use crate::scene::{Frustum, TerrainMesh, TileSet};
+use crate::space::{Pose, Projection};
 
 /// Flags of `bench`.
 #[derive(Debug, clap::Args)]
@@ -46,7 +49,8 @@ pub struct BenchArgs {
 struct PathView {
     name: String,
     eye: [f64; 3],
-    look: [f64; 3],
+    #[serde(rename = "look")]
+    target: [f64; 3],
     #[serde(default = "default_fov")]
     fov: f64,
 }
@@ -65,42 +69,41 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
         Some(path) => read_path(path)?,
         None => default_views(&city, args.size)?,
     };
-    let mut renderer = Renderer::open(&city, ReliefMode::Exact, TerrainMesh::Tin)?;
+    let gpu = Gpu::open().map_err(RenderError::from)?;
+    let mut renderer = Renderer::open(gpu, &city, TerrainMesh::Tin)?;
     let buildings = renderer.load_polygons(&city)?;
-    let cpu_map = CpuMap::new(&city, renderer.resident.highest_roof);
+    let sun = sun(None, city.manifest().place)?;
     let mut rows = Vec::new();
     for view in &views {
-        let pose = View {
-            eye: DVec3::from_array(view.eye),
-            look: DVec3::from_array(view.look),
-            fov_y: view.fov.to_radians(),
-        };
-        let in_view = buildings_in_view(&buildings, &pose, args.size);
-        let reads = reads_per_ray(&cpu_map, &pose, args.size);
+        let pose = Pose::looking_at(DVec3::from_array(view.eye), DVec3::from_array(view.target));
+        let camera = Camera::pinhole(pose, view.fov.to_radians());
+        let projection = camera.projection(args.size);
+        let in_view = buildings_in_view(&buildings, &projection);
+        let reads = reads_per_ray(&renderer.resident.tiles, &projection);
         for mode in [ReliefMode::Exact, ReliefMode::Polygons] {
-            let request = PictureRequest {
-                view: pose,
+            let request = FrameRequest {
+                camera: &camera,
+                sun: &sun,
                 size: args.size,
-                light: light(None, city.manifest().place)?,
                 mode,
-                samples: 1,
+                flare: None,
+                exposure: 1.0,
             };
-            let mut times = Vec::new();
-            for _ in 0..args.frames {
-                let start = Instant::now();
-                let picture = renderer.picture(&request)?;
-                let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-                times.push((wall_ms, picture.pass_ms.unwrap_or_default()));
-            }
-            let pass =
-                |index: usize| median(times.iter().filter_map(|(_, passes)| passes.get(index).copied()));
+            let times = frame_times(&mut renderer, &request, args.frames)?;
+            let pass = |name: &str| {
+                let of_pass = |(_, passes): &FrameTime| {
+                    passes.iter().find(|(known, _)| *known == name).map(|(_, ms)| *ms)
+                };
+                median(times.iter().filter_map(of_pass))
+            };
             rows.push(json!({
                 "view": view.name,
                 "buildings_in_view": in_view,
                 "relief": if mode == ReliefMode::Exact { "exact" } else { "polygons" },
-                "ground_ms": pass(0),
-                "buildings_ms": pass(1),
-                "light_ms": pass(2),
+                "ground_ms": pass("ground"),
+                "buildings_ms": pass("buildings"),
+                "light_ms": pass("light"),
+                "passes_ms": median(times.iter().map(|(_, passes)| passes.iter().map(|(_, ms)| ms).sum())),
                 "wall_ms": median(times.iter().map(|(wall, _)| *wall)),
                 "reads_per_ray": (mode == ReliefMode::Exact).then_some(reads),
             }));
@@ -111,7 +114,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
         "size": args.size,
         "frames": args.frames,
         "buildings": city.manifest().buildings,
-        "resident_bytes": renderer.resident.bytes,
+        "resident_bytes": renderer.resident.bytes(),
         "views": rows,
     });
     if args.json {
@@ -160,21 +163,45 @@ fn print_table(report: &Value) {
     }
 }
 
-/// Buildings of which at least a part may lie in the picture, hidden ones too.
-fn buildings_in_view(buildings: &[Building], view: &View, size: [u32; 2]) -> usize {
-    let frustum = Frustum::new(view.projection(size).clip_from_eye_relative(), view.eye);
+/// Wall-clock milliseconds of a frame, and of its passes on the GPU.
+type FrameTime = (f64, PassTimes);
+
+/// Times frames without read-back; the first, which makes the targets, does not count.
+fn frame_times(
+    renderer: &mut Renderer,
+    request: &FrameRequest<'_>,
+    frames: u32,
+) -> Result<Vec<FrameTime>, CommandError> {
+    renderer.frame(request, 0)?;
+    renderer.gpu.wait().map_err(RenderError::from)?;
+    let mut times = Vec::new();
+    for _ in 0..frames {
+        let start = Instant::now();
+        renderer.frame(request, 0)?;
+        renderer.gpu.wait().map_err(RenderError::from)?;
+        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+        times.push((wall_ms, renderer.pass_times()?.unwrap_or_default()));
+    }
+    Ok(times)
+}
+
+/// Buildings of which at least a part may lie in the image, hidden ones too.
+fn buildings_in_view(buildings: &[Building], projection: &Projection) -> usize {
+    let frustum = Frustum::new(projection);
     let is_in_view =
         |building: &&Building| frustum.sees(&building.bounds(), building.base_m, building.roof_m);
     buildings.iter().filter(is_in_view).count()
 }
 
-fn reads_per_ray(map: &CpuMap<'_>, view: &View, size: [u32; 2]) -> f64 {
-    let projection = view.projection(size);
+fn reads_per_ray(tiles: &TileSet, projection: &Projection) -> f64 {
     const STRIDE: usize = 16;
+    let eye = projection.pose.eye;
+    let [width, height] = projection.size;
     let (mut rays, mut reads) = (0_u64, 0_u64);
-    for row in (0..size[1]).step_by(STRIDE) {
-        for column in (0..size[0]).step_by(STRIDE) {
-            let (_, count) = map.cast(view.eye, projection.ray_direction(column, row), f32::INFINITY);
+    for row in (0..height).step_by(STRIDE) {
+        for column in (0..width).step_by(STRIDE) {
+            let direction = projection.ray_direction(column, row);
+            let (_, count) = cast_buildings(tiles, eye, direction, f32::INFINITY);
             rays += 1;
             reads += u64::from(count);
         }
@@ -209,7 +236,7 @@ fn default_views(city: &City, size: [u32; 2]) -> Result<Vec<PathView>, CommandEr
     let view = |name: &str, back: f64, up: f64| PathView {
         name: name.to_owned(),
         eye: [centre.x - back, centre.y - back, top + up],
-        look: [centre.x, centre.y, top],
+        target: [centre.x, centre.y, top],
         fov: default_fov(),
     };
     Ok(vec![

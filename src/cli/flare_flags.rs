@@ -1,10 +1,14 @@
 //! Flags of a flare, shared by `render` and `lens flare`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::CommandError;
-use crate::camera::flare::{Blend, Fit, FlareMode, Preset, Quality, TableFile, open_table};
+use crate::camera::flare::{
+    Aperture, Blend, Fit, FlareMode, GhostParameters, Preset, Quality, TableFile, open_table,
+};
 use crate::camera::lens::Lens;
+use crate::output::FlareSettings;
 
 /// What of a nonlinear ghost is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -21,7 +25,7 @@ pub struct FlareFlags {
     /// What the flare may cost: a row of the table of presets.
     #[arg(long, value_enum, requires = "lens")]
     quality: Option<Quality>,
-    /// How ghosts are made, instead of the quality's way.
+    /// How ghosts are made, instead of as the quality has it.
     #[arg(long = "flare", visible_alias = "mode", value_enum, requires = "lens")]
     mode: Option<FlareMode>,
     /// How linear and nonlinear ghosts come together in the blended mode.
@@ -30,7 +34,7 @@ pub struct FlareFlags {
     /// What of the nonlinear ghosts is fitted to the linear ones.
     #[arg(long, value_enum, value_delimiter = ',', requires = "lens")]
     fit: Vec<Fitted>,
-    /// Play a table that `rilievo lens bake` made.
+    /// Draw from a table that `rilievo lens bake` made.
     #[arg(long, requires = "lens")]
     flare_table: Option<PathBuf>,
 }
@@ -39,7 +43,7 @@ impl FlareFlags {
     /// The asked quality's row, or the one of `default`, in the asked mode.
     pub fn preset(&self, default: Quality) -> Preset {
         let row = self.quality.unwrap_or(default).preset();
-        // A table is what the blended mode plays.
+        // A table is what the blended mode draws from.
         let own = if self.flare_table.is_some() {
             FlareMode::Blended
         } else {
@@ -66,7 +70,7 @@ impl FlareFlags {
         };
         if self.mode.is_some_and(|mode| mode != FlareMode::Blended) {
             return Err(CommandError::Argument(
-                "--flare-table plays in the blended mode; leave out --flare (--mode)".to_owned(),
+                "--flare-table is for the blended mode; leave out --flare (--mode)".to_owned(),
             ));
         }
         let table = open_table(path, lens, f_number)?;
@@ -77,6 +81,30 @@ impl FlareFlags {
             )));
         }
         Ok(Some(table))
+    }
+
+    /// What a lens at an f-number adds to an image; without `ghosts` its starburst alone.
+    ///
+    /// # Errors
+    /// When the asked table does not fit.
+    pub fn settings(
+        &self,
+        lens: &Lens,
+        f_number: f64,
+        aperture: Aperture,
+        ghosts: bool,
+    ) -> Result<FlareSettings, CommandError> {
+        let preset = self.preset(Quality::High);
+        Ok(FlareSettings {
+            aperture,
+            ghosts: ghosts.then(|| GhostParameters {
+                blend: self.blend,
+                fit: self.fit(),
+                ..preset.ghosts()
+            }),
+            starburst: preset.starburst(),
+            table: self.table(lens, f_number)?.map(Arc::new),
+        })
     }
 
     /// The asked fits.

@@ -1,11 +1,10 @@
-//! `rilievo import`: survey files to a city folder, and a report of what became of them.
+//! `rilievo import`: survey files to a city folder (`import_report` says what became of them).
 
 use std::path::PathBuf;
 
-use super::CommandError;
-use crate::city::{ImportOptions, ImportReport, import};
+use super::{CommandError, import_report};
+use crate::city::{ImportOptions, import};
 use crate::source::{HeightRule, silence_gdal};
-use crate::space::Crs;
 
 /// Flags of `import`.
 #[derive(Debug, clap::Args)]
@@ -19,7 +18,8 @@ pub struct ImportArgs {
     /// Layer of the footprint file; for CAD drawings a CAD layer.
     #[arg(long)]
     layer: Option<String>,
-    /// Field with the building's height above ground, metres.
+    /// Field with the building's height above ground, metres [default: fields of known names, such as OSM's height and
+    /// building:levels, BD TOPO's HAUTEUR, CityGML's measuredHeight].
     #[arg(long, group = "height")]
     height_field: Option<String>,
     /// Field with the number of storeys.
@@ -52,6 +52,10 @@ pub struct ImportArgs {
     /// Metres per vertical unit of the terrain, 0.3048 for feet [default: what the files say].
     #[arg(long)]
     terrain_unit: Option<f64>,
+    /// Keep terraces where the terrain's heights are stored in whole metres or other steps, instead of smoothing
+    /// them within half a step.
+    #[arg(long)]
+    keep_steps: bool,
     /// Bound on the terrain mesh's vertical error, metres.
     #[arg(long, default_value_t = 0.25)]
     terrain_error: f64,
@@ -86,6 +90,7 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         buildings: args.buildings,
         layer: args.layer,
         height_rule,
+        storey_height_m,
         default_height_m: args.default_height,
         imagery: args.imagery,
         crs: args.crs,
@@ -93,6 +98,7 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         buildings_crs: args.buildings_crs,
         imagery_crs: args.imagery_crs,
         terrain_unit_m: args.terrain_unit,
+        keep_steps: args.keep_steps,
         terrain_error_m: args.terrain_error,
         fill_m: args.fill,
         margin_m: args.margin,
@@ -100,42 +106,6 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         out: args.out,
     };
     let report = import(&options)?;
-    print_report(&options, &report);
+    import_report::print(&options, &report);
     Ok(())
-}
-
-fn print_report(options: &ImportOptions, report: &ImportReport) {
-    let city = &report.manifest;
-    let footprints = &city.footprints;
-    say!("{}", options.out.display());
-    say!("  CRS              {}", Crs::short_label(&city.crs));
-    say!(
-        "  terrain          {} tiles of {} m, samples {} m apart, {} triangles (grid: {}), {} samples filled",
-        report.terrain_tiles,
-        city.grid.tile_m,
-        city.terrain_step_m,
-        city.terrain_triangles,
-        city.grid_triangles,
-        report.filled_samples
-    );
-    say!("  footprints read  {}", footprints.read);
-    say!("  kept             {}", footprints.kept);
-    let counted = |title: &str, counts: &std::collections::BTreeMap<String, u64>| {
-        for (what, count) in counts {
-            say!("  {title:16} {count}: {what}");
-        }
-    };
-    counted("mended", &footprints.repaired);
-    counted("left out", &footprints.rejected);
-    counted("default height", &footprints.default_heights);
-    if footprints.duplicates > 0 {
-        say!(
-            "  {:16} {}: outline equal to an earlier one",
-            "duplicates",
-            footprints.duplicates
-        );
-    }
-    for warning in &report.warnings {
-        say!("  note: {warning}");
-    }
 }

@@ -72,6 +72,10 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
     );
     say!("  buildings      {}", manifest.buildings);
     say!(
+        "  heights        {}",
+        super::import_report::heights(&manifest.footprints)
+    );
+    say!(
         "  tiles          {} x {} of {} m",
         manifest.grid.columns,
         manifest.grid.rows,

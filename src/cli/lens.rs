@@ -46,7 +46,7 @@ pub enum LensCommand {
         #[arg(long)]
         out: PathBuf,
     },
-    /// A picture of the flare of the sun.
+    /// An image of the flare of the sun.
     Flare(super::lens_flare::FlareArgs),
     /// The nonlinear ghosts recorded beforehand: traced, drawn, or from photos.
     Bake(super::lens_bake::BakeArgs),

@@ -1,16 +1,17 @@
-//! `rilievo lens bake`: a lens's ghosts recorded beforehand, traced, drawn or from photos.
+//! `rilievo lens bake`: a lens's ghosts recorded beforehand, traced, drawn or photographed.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::CommandError;
 use super::lens_flags::{aperture, max_angle};
 use crate::camera::flare::{
-    Blend, Fit, FlareMode, FlareParameters, FlareSource, FlareTable, Pattern, TableFile, table_from_photos,
-    write_table,
+    FlareImager, FlareLight, FlareRequest, FlareTable, GhostParameters, ImageKnots, Quality, TableFile,
+    bake_images, table_from_photos, write_table,
 };
 use crate::camera::lens::{Lens, open};
 use crate::gpu::Gpu;
-use crate::output::{FlareRenderer, RenderError};
+use crate::output::RenderError;
 
 /// Flags of `lens bake`.
 #[derive(Debug, clap::Args)]
@@ -20,8 +21,8 @@ pub struct BakeArgs {
     /// The f-number.
     #[arg(long, value_parser = super::lens_flags::f_number, required_unless_present = "photos")]
     f_number: Option<f64>,
-    /// Images over two angles instead of rays over one: ANGLESxTURNS, such as 16x8; for irises without symmetry.
-    #[arg(long, value_parser = steps, conflicts_with = "photos")]
+    /// Images over two angles instead of rays over one: ANGLESxAZIMUTHS, such as 16x8; for irises without symmetry.
+    #[arg(long, value_parser = knots, conflicts_with = "photos")]
     two_angles: Option<[u32; 2]>,
     /// Blades of the iris in those images.
     #[arg(long, default_value_t = 8, requires = "two_angles")]
@@ -46,29 +47,33 @@ pub struct BakeArgs {
     out: PathBuf,
 }
 
-/// `ANGLESxTURNS`.
-fn steps(text: &str) -> Result<[u32; 2], String> {
+/// `ANGLESxAZIMUTHS`.
+fn knots(text: &str) -> Result<[u32; 2], String> {
     let counts: Option<Vec<u32>> = text.split('x').map(|count| count.parse().ok()).collect();
     match counts.as_deref() {
-        Some(&[angles, turns]) if angles >= 2 && turns >= 1 && angles.saturating_mul(turns) <= MAX_IMAGES => {
-            Ok([angles, turns])
+        Some(&[angles, azimuths])
+            if angles >= 2 && azimuths >= 1 && angles.saturating_mul(azimuths) <= MAX_IMAGES =>
+        {
+            Ok([angles, azimuths])
         }
         _ => Err(format!(
-            "give at least 2 angles and 1 turn, {MAX_IMAGES} images at most, such as 16x8"
+            "give at least 2 angles and 1 azimuth, {MAX_IMAGES} images at most, such as 16x8"
         )),
     }
 }
 
-/// Most images of a table.
+/// Most images in a table.
 const MAX_IMAGES: u32 = 600;
 
 /// Pixels along a baked image's side.
-const IMAGE_SIDE: u32 = 240;
+const IMAGE_SIZE: u32 = 240;
+/// Rays along a side of a ghost's grid in it.
+const IMAGE_RAYS: usize = 32;
 
 /// Bakes and writes.
 pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
-    super::render::require_folder(&args.out)?;
-    let lens = open(&args.lens)?;
+    super::values::require_folder(&args.out)?;
+    let lens = Arc::new(open(&args.lens)?);
     let table = match (&args.photos, args.two_angles, args.f_number) {
         (Some(list), _, _) => {
             let film_mm = args.film_mm.unwrap_or(lens.film_mm[0]);
@@ -81,29 +86,29 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
             say!("{} photos", table.len());
             TableFile::Images(table)
         }
-        (None, Some(steps), Some(f_number)) => {
+        (None, Some([angles, azimuths]), Some(f_number)) => {
             let gpu = Gpu::open().map_err(RenderError::from)?;
-            let renderer = FlareRenderer::new(&gpu, &aperture(args.blades));
-            let parameters = FlareParameters {
-                lens: &lens,
-                source: FlareSource {
-                    angle: 0.0,
-                    turn: 0.0,
-                    irradiance: [1.0; 3],
-                    f_number,
-                    wavelengths: 3,
-                    rays: 32,
-                    whole_entrance: false,
-                },
-                mode: FlareMode::Blended,
-                only: None,
-                pattern: Pattern::Nonlinear,
+            let request = FlareRequest {
+                lens: Arc::clone(&lens),
+                f_number,
+                aperture: aperture(args.blades),
+                ghosts: Some(GhostParameters {
+                    rays: IMAGE_RAYS,
+                    ..Quality::Medium.preset().ghosts()
+                }),
+                starburst: None,
                 table: None,
-                blend: Blend::Add,
-                fit: Fit::default(),
-                tracing: renderer.tracing(),
+                light: FlareLight::point(0.0, 0.0),
+                image_half_mm: [0.0; 2],
             };
-            let table = renderer.bake_images(&parameters, max_angle(&lens), steps, IMAGE_SIDE)?;
+            let knots = ImageKnots {
+                max_angle: max_angle(&lens),
+                angles,
+                azimuths,
+                size: IMAGE_SIZE,
+            };
+            let table =
+                bake_images(&mut FlareImager::new(&gpu), &request, knots).map_err(RenderError::from)?;
             say!("{} images", table.len());
             TableFile::Images(table)
         }
@@ -122,7 +127,7 @@ pub fn bake_rays(lens: &Lens, f_number: f64) -> Result<FlareTable, CommandError>
     say!(
         "table: {} ghosts, {} angles in all, {:.2} MB, {:.0} ms to bake",
         table.len(),
-        table.steps(),
+        table.knots(),
         table.bytes() as f64 * 1e-6,
         start.elapsed().as_secs_f64() * 1e3
     );

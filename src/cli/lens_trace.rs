@@ -66,8 +66,8 @@ pub fn run(args: &TraceArgs) -> Result<(), CommandError> {
             ghost,
             wavelength_um,
             angle,
-            low: args.entry,
-            high: args.entry,
+            min: args.entry,
+            max: args.entry,
         };
         let grids = RayPass::new(&gpu)
             .trace(&gpu, lens, gap, &[bundle], 2)

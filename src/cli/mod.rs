@@ -10,11 +10,15 @@ macro_rules! say {
     }};
 }
 
+mod advice;
 mod args;
 mod bench;
 mod bench_flare;
+mod camera_flags;
 mod flare_flags;
+mod fly;
 mod import;
+mod import_report;
 mod info;
 mod lens;
 mod lens_bake;
@@ -24,6 +28,7 @@ mod lens_trace;
 mod render;
 mod sample;
 mod statistics;
+mod values;
 
 use std::process::ExitCode;
 
@@ -47,6 +52,9 @@ pub enum CommandError {
     /// The sun could not be placed.
     #[error(transparent)]
     Sun(#[from] crate::space::SunError),
+    /// The window could not be opened.
+    #[error(transparent)]
+    Viewer(#[from] crate::viewer::ViewerError),
     /// A lens could not be read.
     #[error(transparent)]
     Lens(#[from] crate::camera::lens::LensError),
@@ -81,7 +89,9 @@ pub fn main() -> ExitCode {
     match run(args.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("rilievo: {}", error.to_string().replace('\n', " "));
+            let advice = advice::for_error(&error).map(|advice| format!("; {advice}"));
+            let text = format!("{error}{}", advice.unwrap_or_default());
+            eprintln!("rilievo: {}", text.replace('\n', " "));
             ExitCode::FAILURE
         }
     }
@@ -93,6 +103,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Sample(args) => sample::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Fly(args) => fly::run(&args),
         Command::Lens(command) => lens::run(command),
         Command::Bench(args) => bench::run(&args),
     }

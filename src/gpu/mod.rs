@@ -1,15 +1,21 @@
 //! The device, shader modules, render targets, read-back and timing. Knows nothing of cities.
 
+mod bindings;
 mod device;
+mod pipeline;
 mod readback;
 mod shader;
 mod target;
 mod timing;
 mod upload;
 
+pub use bindings::{FILTERED, FLOAT, OUTPUT, RECORDS, SAMPLER, UNIFORM, texture, texture_array};
 pub use device::{Gpu, GpuError};
+pub use pipeline::PipelineParameters;
 pub use readback::{read_buffer, read_texture};
-pub use shader::{ShaderSource, shader_module};
-pub use target::{Target, color_target, fullscreen_pipeline};
-pub use timing::PassTimer;
-pub use upload::{TextureArray, storage_buffer, uniform_buffer};
+pub use shader::{Constant, ConstantValue, ShaderFile, ShaderSource, shader_module};
+pub use target::{Target, color_target};
+pub use timing::{PassTimer, PassTimes};
+pub use upload::{
+    TextureArray, Uniform, empty_buffer, filled_texture, geometry_buffer, storage_buffer, uniform_buffer,
+};

@@ -8,6 +8,7 @@ pub fn read_texture<T: bytemuck::Pod>(gpu: &Gpu, texture: &wgpu::Texture) -> Res
     let texel_bytes = texture.format().block_copy_size(None).unwrap_or(4);
     let row_bytes = size.width * texel_bytes;
     let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    gpu.count_creation();
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read-back"),
         size: u64::from(padded) * u64::from(size.height),
@@ -39,6 +40,7 @@ pub fn read_texture<T: bytemuck::Pod>(gpu: &Gpu, texture: &wgpu::Texture) -> Res
 
 /// All records of a buffer that can be copied from. Waits for the device.
 pub fn read_buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
+    gpu.count_creation();
     let read = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read-back"),
         size: buffer.size(),

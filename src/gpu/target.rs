@@ -13,6 +13,18 @@ pub struct Target {
 impl Target {
     /// A target of `size` pixels.
     pub fn new(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> Self {
+        Self::with_views(gpu, label, size, format, &[])
+    }
+
+    /// The same, whose texels can also be viewed in other formats.
+    pub fn with_views(
+        gpu: &Gpu,
+        label: &str,
+        size: [u32; 2],
+        format: wgpu::TextureFormat,
+        view_formats: &[wgpu::TextureFormat],
+    ) -> Self {
+        gpu.count_creation();
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d {
@@ -27,7 +39,7 @@ impl Target {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT
                 | wgpu::TextureUsages::TEXTURE_BINDING
                 | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
+            view_formats,
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Self { texture, view }
@@ -47,7 +59,7 @@ impl Target {
     }
 
     /// The attachment that draws over what this target holds.
-    pub fn kept(&self) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    pub fn loaded(&self) -> Option<wgpu::RenderPassColorAttachment<'_>> {
         Some(wgpu::RenderPassColorAttachment {
             view: &self.view,
             depth_slice: None,
@@ -57,6 +69,11 @@ impl Target {
                 store: wgpu::StoreOp::Store,
             },
         })
+    }
+
+    /// For a bind group.
+    pub fn binding(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::TextureView(&self.view)
     }
 
     /// The depth attachment, cleared to the far end of reversed depth.
@@ -79,47 +96,4 @@ pub fn color_target(format: wgpu::TextureFormat) -> Option<wgpu::ColorTargetStat
         blend: None,
         write_mask: wgpu::ColorWrites::ALL,
     })
-}
-
-/// A pipeline that draws one triangle over the whole target (entries `vs_fullscreen` and `fs`). `constants` set the
-/// fragment stage's overrides.
-pub fn fullscreen_pipeline(
-    gpu: &Gpu,
-    module: &wgpu::ShaderModule,
-    layouts: &[Option<&wgpu::BindGroupLayout>],
-    targets: &[Option<wgpu::ColorTargetState>],
-    constants: &[(&str, f64)],
-) -> wgpu::RenderPipeline {
-    let layout = gpu
-        .device
-        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
-            bind_group_layouts: layouts,
-            immediate_size: 0,
-        });
-    gpu.device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: None,
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some("vs_fullscreen"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module,
-                entry_point: Some("fs"),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants,
-                    ..Default::default()
-                },
-                targets,
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
 }

@@ -2,17 +2,22 @@
 
 use super::{Gpu, GpuError};
 
-/// Times up to `capacity` passes of one submission.
+/// Times the named passes of one submission.
 pub struct PassTimer {
     queries: Option<(wgpu::QuerySet, wgpu::Buffer, wgpu::Buffer)>,
-    capacity: u32,
+    names: &'static [&'static str],
     period_ns: f32,
 }
 
+/// Milliseconds of each pass, by name.
+pub type PassTimes = Vec<(&'static str, f64)>;
+
 impl PassTimer {
     /// A timer; on a device without timestamps it measures nothing.
-    pub fn new(gpu: &Gpu, capacity: u32) -> Self {
+    pub fn new(gpu: &Gpu, names: &'static [&'static str]) -> Self {
+        let capacity = names.len() as u32;
         let queries = gpu.has_timestamps.then(|| {
+            gpu.count_creation();
             let set = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("pass times"),
                 ty: wgpu::QueryType::Timestamp,
@@ -32,13 +37,13 @@ impl PassTimer {
         });
         Self {
             queries,
-            capacity,
+            names,
             period_ns: gpu.queue.get_timestamp_period(),
         }
     }
 
-    /// The timestamps of pass number `pass`.
-    pub fn of_pass(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+    /// The timestamps of pass number `pass` of the names.
+    pub fn pass(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let (set, _, _) = self.queries.as_ref()?;
         Some(wgpu::RenderPassTimestampWrites {
             query_set: set,
@@ -48,16 +53,16 @@ impl PassTimer {
     }
 
     /// The timestamp at the beginning of a timed pass that is made of several render passes, for the first of them.
-    pub fn begin_of_pass(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        self.of_pass(pass).map(|both| wgpu::RenderPassTimestampWrites {
+    pub fn pass_begin(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.pass(pass).map(|both| wgpu::RenderPassTimestampWrites {
             end_of_pass_write_index: None,
             ..both
         })
     }
 
     /// The timestamp at its end, for the last of them.
-    pub fn end_of_pass(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        self.of_pass(pass).map(|both| wgpu::RenderPassTimestampWrites {
+    pub fn pass_end(&self, pass: u32) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.pass(pass).map(|both| wgpu::RenderPassTimestampWrites {
             beginning_of_pass_write_index: None,
             ..both
         })
@@ -66,13 +71,15 @@ impl PassTimer {
     /// Call after the last pass, before submitting.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some((set, resolve, read)) = &self.queries {
-            encoder.resolve_query_set(set, 0..2 * self.capacity, resolve, 0);
-            encoder.copy_buffer_to_buffer(resolve, 0, read, 0, u64::from(16 * self.capacity));
+            let count = 2 * self.names.len() as u32;
+            encoder.resolve_query_set(set, 0..count, resolve, 0);
+            encoder.copy_buffer_to_buffer(resolve, 0, read, 0, u64::from(8 * count));
         }
     }
 
-    /// Milliseconds per pass; none without timestamps. Waits for the device.
-    pub fn milliseconds(&self, gpu: &Gpu) -> Result<Option<Vec<f64>>, GpuError> {
+    /// Milliseconds of every pass in the order of the names; none without timestamps. Every pass must have been
+    /// encoded. Waits for the device.
+    pub fn read(&self, gpu: &Gpu) -> Result<Option<PassTimes>, GpuError> {
         let Some((_, _, read)) = &self.queries else {
             return Ok(None);
         };
@@ -84,9 +91,10 @@ impl PassTimer {
         };
         read.unmap();
         let (pairs, _) = times.as_chunks::<2>();
-        let spans = pairs
-            .iter()
-            .map(|[begin, end]| end.saturating_sub(*begin) as f64 * f64::from(self.period_ns) * 1e-6);
+        let spans = self.names.iter().zip(pairs).map(|(&name, [begin, end])| {
+            let ms = end.saturating_sub(*begin) as f64 * f64::from(self.period_ns) * 1e-6;
+            (name, ms)
+        });
         Ok(Some(spans.collect()))
     }
 }

@@ -13,21 +13,102 @@ pub fn storage_buffer<T: bytemuck::NoUninit>(
     let bytes: &[u8] = bytemuck::cast_slice(records);
     let allowed = gpu.device.limits().max_storage_buffer_binding_size;
     gpu.require(label, bytes.len() as u64, allowed)?;
-    let contents = if bytes.is_empty() { &[0; 64] } else { bytes };
-    Ok(gpu.device.create_buffer_init(&BufferInitDescriptor {
-        label: Some(label),
-        contents,
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-    }))
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+    Ok(filled_buffer(gpu, label, bytes, usage))
 }
 
-/// A uniform buffer.
-pub fn uniform_buffer<T: bytemuck::NoUninit>(gpu: &Gpu, label: &str, value: &T) -> wgpu::Buffer {
+/// A vertex or index buffer.
+///
+/// # Errors
+/// When it is larger than the device allows.
+pub fn geometry_buffer<T: bytemuck::NoUninit>(
+    gpu: &Gpu,
+    label: &'static str,
+    records: &[T],
+    usage: wgpu::BufferUsages,
+) -> Result<wgpu::Buffer, GpuError> {
+    let bytes: &[u8] = bytemuck::cast_slice(records);
+    gpu.require(label, bytes.len() as u64, gpu.device.limits().max_buffer_size)?;
+    Ok(filled_buffer(gpu, label, bytes, usage))
+}
+
+fn filled_buffer(gpu: &Gpu, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    gpu.count_creation();
     gpu.device.create_buffer_init(&BufferInitDescriptor {
         label: Some(label),
-        contents: bytemuck::bytes_of(value),
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        contents: if bytes.is_empty() { &[0; 64] } else { bytes },
+        usage,
     })
+}
+
+/// A buffer that is filled later, by the queue or by a shader.
+pub fn empty_buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    gpu.count_creation();
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+/// A uniform buffer that is written again before each use.
+pub struct Uniform<T> {
+    /// The buffer.
+    pub buffer: wgpu::Buffer,
+    of: std::marker::PhantomData<T>,
+}
+
+impl<T: bytemuck::NoUninit> Uniform<T> {
+    /// An unwritten one.
+    pub fn new(gpu: &Gpu, label: &str) -> Self {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        Self {
+            buffer: empty_buffer(gpu, label, size_of::<T>() as u64, usage),
+            of: std::marker::PhantomData,
+        }
+    }
+
+    /// What the next submission will read.
+    pub fn write(&self, gpu: &Gpu, value: &T) {
+        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(value));
+    }
+
+    /// For a bind group.
+    pub fn binding(&self) -> wgpu::BindingResource<'_> {
+        self.buffer.as_entire_binding()
+    }
+}
+
+/// A 2D texture of one level filled from memory, to be read by shaders.
+pub fn filled_texture<T: bytemuck::NoUninit>(
+    gpu: &Gpu,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    texels: &[T],
+) -> wgpu::TextureView {
+    gpu.count_creation();
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        bytemuck::cast_slice(texels),
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// A 2D array texture, one layer a tile.
@@ -58,6 +139,7 @@ impl TextureArray {
             u64::from(layers),
             u64::from(limits.max_texture_array_layers),
         )?;
+        gpu.count_creation();
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d {
@@ -103,4 +185,10 @@ impl TextureArray {
             },
         );
     }
+}
+
+/// A uniform buffer.
+pub fn uniform_buffer<T: bytemuck::NoUninit>(gpu: &Gpu, label: &str, value: &T) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+    filled_buffer(gpu, label, bytemuck::bytes_of(value), usage)
 }

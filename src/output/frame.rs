@@ -1,241 +1,95 @@
-//! The conductor: the passes of a picture in their order.
+//! The conductor: the passes of a frame in their order.
 //!
 //! ```text
-//! for every sample:  ground ─▶ relief ─▶ shade ─▶ sum
-//! then:              sum + flare of the lens ─▶ exposure, tone mapping ─▶ picture
+//! every sample:  ground ─▶ buildings (cone, exact | polygons) ─▶ light ─▶ sum ─┐
+//! then:                                      flare (sun through the lens) ─────┴▶ tone map ─▶ image
 //! ```
-//! Depth and ids are those of the pixel centre, whatever the number of samples.
+//! A frame is a sample and the image of all samples so far. It reads nothing back and allocates nothing on the device.
 
 use glam::DVec2;
-use thiserror::Error;
 
-use super::Renderer;
-use crate::camera::flare::{
-    Aperture, Blend, Fit, FlareMesh, FlareParameters, FlarePass, FlareSource, Pattern, Preset, Star,
-    TableFile, Tracing, encode_images, encode_starburst, flare_mesh, spectrum,
-};
-use crate::camera::lens::{D_LINE_UM, Lens};
-use crate::camera::{Develop, Paraxial, RayPass};
-use crate::gpu::{Gpu, GpuError, PassTimer, read_texture};
-use crate::relief::{Light, ReliefMode, ReliefPass, ReliefTargets, SUN_RADIUS, sun_irradiance};
-use crate::scene::SceneError;
-use crate::space::View;
+use super::{FlareSettings, RenderError, Renderer};
+use crate::camera::Camera;
+use crate::relief::{ReliefMode, ReliefView, sun_seen_from};
+use crate::space::Sun;
 
-/// A picture could not be made.
-#[derive(Debug, Error)]
-pub enum RenderError {
-    /// The city could not be loaded.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A tile or the footprint dataset could not be read.
-    #[error(transparent)]
-    City(#[from] crate::city::CityError),
-    /// The device failed.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}
+/// Timed passes of a frame.
+pub(super) const PASSES: [&str; 6] = ["ground", "buildings", "light", "sum", "flare", "tone map"];
+const SUM: u32 = 3;
+const FLARE: u32 = 4;
+const TONE_MAP: u32 = 5;
 
 /// What to draw.
-#[derive(Clone, Copy, Debug)]
-pub struct PictureRequest {
-    /// The pose.
-    pub view: View,
+#[derive(Clone, Copy)]
+pub struct FrameRequest<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The sun.
+    pub sun: &'a Sun,
     /// Pixels.
     pub size: [u32; 2],
-    /// The sun.
-    pub light: Light,
     /// How buildings are drawn.
     pub mode: ReliefMode,
-    /// Samples a pixel, at least 1.
-    pub samples: u32,
+    /// What the camera's lens adds; counts only behind a lens.
+    pub flare: Option<&'a FlareSettings>,
+    /// Factor on radiance before tone mapping.
+    pub exposure: f32,
 }
 
-/// The lens that a picture is taken through.
-pub struct LensRequest<'a> {
-    /// Its prescription. The sensor is taken as large as the view needs at its focal length.
-    pub lens: &'a Lens,
-    /// The f-number.
-    pub f_number: f64,
-    /// The iris.
-    pub aperture: Aperture,
-    /// How its ghosts are made, and how finely.
-    pub preset: Preset,
-    /// Whether ghosts are drawn.
-    pub ghosts: bool,
-    /// A table to play, baked for the same lens and f-number.
-    pub table: Option<&'a TableFile>,
-    /// How linear and nonlinear ghosts come together.
-    pub blend: Blend,
-    /// What of the nonlinear ghosts is fitted to the linear ones.
-    pub fit: Fit,
-    /// Visible share of the sun, 0 to 1.
-    pub sun_visibility: f64,
-}
-
-/// A picture in memory, rows from the top.
-pub struct Picture {
-    /// 8-bit sRGB.
-    pub rgba: Vec<u8>,
-    /// Metres along the view ray, NaN = sky.
-    pub depth: Vec<f32>,
-    /// Building ids, 0 = ground or sky.
-    pub ids: Vec<u32>,
-    /// GPU milliseconds of the last sample's passes (ground, buildings, light), where the device can time.
-    pub pass_ms: Option<Vec<f64>>,
-}
-
-/// Sub-pixel place of sample `index`: the R2 low-discrepancy sequence (Roberts 2018), the first at the centre.
+/// Sub-pixel position of sample `index`: the R2 low-discrepancy sequence (Roberts 2018), the first at the centre.
 fn jitter(index: u32) -> DVec2 {
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_7, 0.569_840_290_998_053_3);
     (DVec2::splat(0.5) + STEP * f64::from(index)).fract() - 0.5
 }
 
 impl Renderer {
-    /// Draws one picture.
-    pub fn picture(&self, request: &PictureRequest) -> Result<Picture, RenderError> {
-        self.picture_through(request, None)
-    }
-
-    /// Draws one picture, through a lens if one is given.
-    pub fn picture_through(
-        &self,
-        request: &PictureRequest,
-        lens: Option<&LensRequest<'_>>,
-    ) -> Result<Picture, RenderError> {
-        let targets = ReliefTargets::new(&self.gpu, request.size);
-        let develop = Develop::new(&self.gpu, request.size);
-        let timer = PassTimer::new(&self.gpu, ReliefPass::PASSES);
-        let mut centre = None;
-        for index in 0..request.samples {
-            let mut projection = request.view.projection(request.size);
-            projection.jitter = jitter(index);
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            self.relief.encode(
-                &self.gpu,
-                &mut encoder,
-                &self.resident,
-                &request.view,
-                &projection,
-                &request.light,
-                if request.samples > 1 { index + 1 } else { 0 },
-                request.mode,
-                &targets,
-                Some(&timer),
-            );
-            develop.encode_sample(&self.gpu, &mut encoder, &targets.radiance, index);
-            timer.resolve(&mut encoder);
-            self.gpu.queue.submit([encoder.finish()]);
-            self.gpu.wait()?;
-            if index == 0 {
-                centre = Some((
-                    read_texture::<f32>(&self.gpu, &targets.distance.texture)?,
-                    read_texture::<u32>(&self.gpu, &targets.id.texture)?,
-                ));
-            }
-        }
+    /// Draws sample number `sample` of a view and the image of all samples so far; sample 0 begins the view anew.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn frame(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
+        self.resize(request.size);
+        self.prepare_flare(request)?;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        if let Some(lens) = lens {
-            add_flare(&self.gpu, &mut encoder, &develop, request, lens)?;
-        }
-        develop.encode_picture(&self.gpu, &mut encoder, request.samples, 1.0);
+        self.encode_sample(&mut encoder, request, sample);
+        self.encode_image(&mut encoder, request, sample + 1);
+        self.timer.resolve(&mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
-        let (mut depth, ids) = centre.unwrap_or_default();
-        for t in &mut depth {
-            if *t >= 3.0e38 {
-                *t = f32::NAN;
-            }
-        }
-        Ok(Picture {
-            rgba: read_texture(&self.gpu, &develop.picture.texture)?,
-            depth,
-            ids,
-            pass_ms: timer.milliseconds(&self.gpu)?,
-        })
+        Ok(())
     }
-}
 
-/// Draws the sun's ghosts, and its image with its starburst, where the sun stands before the lens.
-fn add_flare(
-    gpu: &Gpu,
-    encoder: &mut wgpu::CommandEncoder,
-    develop: &Develop,
-    request: &PictureRequest,
-    lens: &LensRequest<'_>,
-) -> Result<(), RenderError> {
-    let projection = request.view.projection(request.size);
-    let to_sun = request.light.to_sun;
-    let ahead = to_sun.dot(projection.forward);
-    if ahead <= 0.0 || lens.sun_visibility <= 0.0 {
-        return Ok(());
+    /// Adds a sample without making an image of it.
+    pub(super) fn add_sample(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
+        self.resize(request.size);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.encode_sample(&mut encoder, request, sample);
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(self.gpu.wait()?)
     }
-    let aside = DVec2::new(to_sun.dot(projection.right), to_sun.dot(projection.up));
-    let preset = lens.preset;
-    let source = FlareSource {
-        angle: aside.length().atan2(ahead),
-        turn: aside.y.atan2(aside.x),
-        irradiance: sun_irradiance(to_sun),
-        f_number: lens.f_number,
-        wavelengths: preset.wavelengths,
-        rays: preset.rays,
-        whole_entrance: false,
-    };
-    let focal_mm = Paraxial::new(lens.lens, D_LINE_UM, None).efl_mm.abs();
-    let half_height = focal_mm * projection.tan_half_fov_y;
-    let [width, height] = request.size.map(f64::from);
-    let half_mm = [half_height * width / height, half_height];
-    let visible = source.irradiance.map(|channel| channel * lens.sun_visibility);
 
-    let nothing = (None, None, Pattern::Whole);
-    let (rays, images, pattern) = lens.table.map_or(nothing, |table| table.at(source.angle));
-    let ray_pass = RayPass::new(gpu);
-    let cache_key = FlareParameters {
-        lens: lens.lens,
-        source,
-        mode: preset.mode,
-        only: None,
-        pattern,
-        table: rays,
-        blend: lens.blend,
-        fit: lens.fit,
-        tracing: Tracing::Gpu(gpu, &ray_pass),
-    };
-    let has_mesh = lens.ghosts && images.is_none_or(|images| images.with_linear);
-    let mesh = if has_mesh {
-        flare_mesh(&cache_key)?
-    } else {
-        FlareMesh::default()
-    };
-    let pass = FlarePass::new(gpu, Develop::FLARE, &lens.aperture);
-    pass.encode(
-        gpu,
-        encoder,
-        &develop.flare,
-        &mesh,
-        half_mm,
-        lens.sun_visibility,
-        None,
-    );
-    if let Some(images) = images.filter(|_| lens.ghosts) {
-        let angles = [source.angle, source.turn];
-        encode_images(gpu, encoder, &develop.flare, images, angles, visible, half_mm);
+    fn encode_sample(&self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, sample: u32) {
+        let mut projection = request.camera.projection(request.size);
+        projection.jitter = jitter(sample);
+        let view = ReliefView {
+            projection: &projection,
+            sun: request.sun,
+            sample,
+            mode: request.mode,
+        };
+        self.relief
+            .encode(&self.gpu, encoder, &self.resident, &view, &self.timer);
+        self.accumulate.encode(encoder, sample, self.timer.pass(SUM));
     }
-    let star = Star {
-        at_mm: (aside / ahead * focal_mm).to_array(),
-        disc_mm: SUN_RADIUS * focal_mm,
-        focal_mm,
-        f_number: lens.f_number,
-        irradiance: visible,
-        mask_side: preset.star_side,
-    };
-    let colours = spectrum(preset.star_wavelengths);
-    encode_starburst(
-        gpu,
-        encoder,
-        &develop.flare,
-        &star,
-        &lens.aperture,
-        &colours,
-        half_mm,
-    );
-    Ok(())
+
+    fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
+        self.flare.encode(encoder, self.timer.pass(FLARE));
+        let timestamps = self.timer.pass(TONE_MAP);
+        self.tone_map
+            .encode(&self.gpu, encoder, request.exposure, samples, timestamps);
+    }
+
+    /// The sun as the camera sees it, past roofs and hills.
+    pub fn sun_seen(&self, request: &FrameRequest<'_>) -> Sun {
+        sun_seen_from(&self.resident.tiles, request.camera.pose.eye, request.sun)
+    }
 }

@@ -1,11 +1,19 @@
-//! Pictures out: the ordered list of passes of a frame, and the files.
+//! Images out: the ordered list of passes of a frame, stills, debug views, and files.
 
+mod contact_sheet;
+mod error;
 mod files;
-mod flare;
+mod flare_pass;
 mod frame;
+mod intermediate;
 mod renderer;
+mod still;
 
+pub use contact_sheet::{ContactSheet, contact_sheet};
+pub use error::RenderError;
 pub use files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};
-pub use flare::{FlarePicture, FlareRenderer, area_on_film, auto_exposure, film_half_mm, srgb, tone_mapped};
-pub use frame::{LensRequest, Picture, PictureRequest, RenderError};
+pub use flare_pass::FlareSettings;
+pub use frame::FrameRequest;
+pub use intermediate::{DEBUG_VIEW, DebugFrame, DebugView, Intermediate};
 pub use renderer::Renderer;
+pub use still::Still;

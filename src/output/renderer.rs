@@ -1,85 +1,110 @@
-//! A city made ready to be drawn: device, resident tiles, pipelines.
+//! A city made ready to be drawn, for as long as it is open: device, resident tiles, pipelines, targets and caches. A frame of
+//! a size already drawn makes no resource of the device.
 
-use glam::DVec3;
-use rayon::prelude::*;
+use glam::{DVec2, DVec3};
 
 use super::RenderError;
+use super::flare_pass::FlarePass;
+use super::frame::PASSES;
+use super::intermediate::DebugView;
 use crate::buildings::Building;
+use crate::camera::{Accumulate, ToneMap};
 use crate::city::City;
-use crate::gpu::Gpu;
-use crate::relief::{ReliefMode, ReliefPass, building_mesh};
+use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
+use crate::relief::{ReliefPass, ReliefTargets, building_mesh};
 use crate::scene::{Resident, TerrainMesh};
-use crate::source::{FootprintDataset, silence_gdal};
-use crate::space::{Crs, TileId};
-use crate::terrain::HeightTile;
 
-/// Everything that lives as long as the city is drawn.
+/// Everything that lives as long as a city is drawn.
 pub struct Renderer {
     /// The device.
     pub gpu: Gpu,
     /// The city's tiles.
     pub resident: Resident,
-    /// The pipelines.
-    pub relief: ReliefPass,
+    pub(super) relief: ReliefPass,
+    pub(super) accumulate: Accumulate,
+    pub(super) flare: FlarePass,
+    pub(super) tone_map: ToneMap,
+    pub(super) debug_view: DebugView,
+    pub(super) timer: PassTimer,
+    size: [u32; 2],
 }
 
 impl Renderer {
-    /// Loads a city for one way of drawing.
-    pub fn open(city: &City, mode: ReliefMode, mesh: TerrainMesh) -> Result<Self, RenderError> {
-        let gpu = Gpu::open()?;
+    /// Loads a city onto a device.
+    ///
+    /// # Errors
+    /// When a tile is damaged, or the device cannot hold the city.
+    pub fn open(gpu: Gpu, city: &City, mesh: TerrainMesh) -> Result<Self, RenderError> {
         let resident = Resident::load(&gpu, city, mesh)?;
-        let mut relief = ReliefPass::new(&gpu, &resident);
-        if mode == ReliefMode::Polygons {
-            add_polygons(&gpu, city, &mut relief)?;
-        }
-        Ok(Self {
+        let renderer = Self {
+            relief: ReliefPass::new(&gpu, &resident),
+            accumulate: Accumulate::new(&gpu),
+            flare: FlarePass::new(&gpu),
+            tone_map: ToneMap::new(&gpu),
+            debug_view: DebugView::new(&gpu),
+            timer: PassTimer::new(&gpu, &PASSES),
+            size: [0; 2],
             gpu,
             resident,
-            relief,
-        })
+        };
+        // So that a shader or pipeline that the device refuses is told here.
+        renderer.gpu.wait()?;
+        Ok(renderer)
     }
 
     /// Loads the mesh for `ReliefMode::Polygons` beside the building map; gives the buildings that it shows.
+    ///
+    /// # Errors
+    /// When the footprint dataset cannot be read, or the device cannot hold the mesh.
     pub fn load_polygons(&mut self, city: &City) -> Result<Vec<Building>, RenderError> {
-        add_polygons(&self.gpu, city, &mut self.relief)
+        let tiles = &self.resident.tiles;
+        let buildings = city.raised_buildings(|x, y| tiles.ground_at(DVec2::new(x, y)))?;
+        let centre = city.manifest().grid.bounds().centre();
+        let origin = DVec3::new(centre.x, centre.y, 0.0);
+        self.relief
+            .set_polygons(&self.gpu, &building_mesh(&buildings, origin), origin)?;
+        Ok(buildings)
     }
-}
 
-/// Raises the footprint dataset's footprints on the city's ground; needs GDAL, unlike every other way of drawing.
-fn add_polygons(gpu: &Gpu, city: &City, relief: &mut ReliefPass) -> Result<Vec<Building>, RenderError> {
-    let buildings = standing_buildings(city)?;
-    let centre = city.manifest().grid.bounds().centre();
-    let origin = DVec3::new(centre.x, centre.y, 0.0);
-    relief.set_polygons(gpu, &building_mesh(&buildings, origin), origin)?;
-    Ok(buildings)
-}
+    /// Makes all targets anew where they have another size.
+    pub(super) fn resize(&mut self, size: [u32; 2]) {
+        if self.size == size {
+            return;
+        }
+        self.size = size;
+        let targets = self.relief.resize(&self.gpu, &self.resident, size);
+        self.accumulate.resize(&self.gpu, size, &targets.radiance);
+        self.flare.resize(&self.gpu, size);
+        if let (Some(sums), Some(flare)) = (self.accumulate.targets(), self.flare.target()) {
+            self.tone_map.resize(&self.gpu, size, sums, flare);
+        }
+    }
 
-/// The footprint dataset's buildings with their bases and roofs.
-fn standing_buildings(city: &City) -> Result<Vec<Building>, RenderError> {
-    silence_gdal();
-    let manifest = city.manifest();
-    let crs = Crs::from_text(&manifest.crs).map_err(crate::city::CityError::from)?;
-    let footprints = FootprintDataset::read(
-        &city.footprint_dataset_path(),
-        &crs,
-        &manifest.height_rule,
-        manifest.default_height_m,
-    )
-    .map_err(crate::city::CityError::from)?;
-    let tiles: Vec<TileId> = manifest.grid.tiles().collect();
-    let grounds: Vec<Option<HeightTile>> = tiles
-        .par_iter()
-        .map(|&tile| Ok(city.terrain(tile)?.map(|terrain| terrain.ground)))
-        .collect::<Result<_, crate::city::CityError>>()?;
-    let ground = |x: f64, y: f64| {
-        let tile = manifest.grid.tile_at(glam::DVec2::new(x, y))?;
-        let origin = manifest.grid.origin(tile);
-        let index = (tile.y * manifest.grid.columns + tile.x) as usize;
-        grounds[index].as_ref()?.ground(x - origin.x, y - origin.y)
-    };
-    Ok(footprints
-        .into_par_iter()
-        .filter_map(|footprint| Building::on_ground(footprint, ground).ok())
-        .map(|(building, _)| building)
-        .collect())
+    /// Pixels of the last frame.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The images of the relief pass; none before the first frame.
+    pub fn relief_targets(&self) -> Option<&ReliefTargets> {
+        self.relief.targets()
+    }
+
+    /// The displayable image; none before the first frame.
+    pub fn image(&self) -> Option<&Target> {
+        self.tone_map.image()
+    }
+
+    /// The image's sRGB codes as a user interface takes them; none before the first frame.
+    pub fn display_view(&self) -> Option<&wgpu::TextureView> {
+        self.tone_map.display_view()
+    }
+
+    /// GPU milliseconds of the last frame's passes, where the device can time. Waits for the device.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn pass_times(&self) -> Result<Option<PassTimes>, RenderError> {
+        Ok(self.timer.read(&self.gpu)?)
+    }
 }

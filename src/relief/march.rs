@@ -3,8 +3,10 @@
 
 use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
 
-use crate::buildings::{BuildingMap, CellKind, Pyramid};
-use crate::space::TileGrid;
+use super::GridPosition;
+use super::constants::{MAX_STEPS, SLACK};
+use crate::buildings::{BuildingMap, CellKind, MapTile, Pyramid};
+use crate::scene::TileSet;
 
 /// A ray from an eye-relative start.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +15,7 @@ pub struct Ray {
     pub start: Vec3,
     /// Unit direction.
     pub direction: Vec3,
-    inverse: Vec2,
+    pub(super) inverse: Vec2,
 }
 
 /// What a ray met.
@@ -31,13 +33,24 @@ pub struct Hit {
     pub fid: u32,
 }
 
-/// A tile's map with its pyramid.
-#[derive(Clone, Debug)]
-pub struct MapTile {
-    /// The map.
-    pub map: BuildingMap,
-    /// Its maxima.
-    pub pyramid: Pyramid,
+/// What is seen along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceHit {
+    /// Metres along the ray.
+    pub t: f32,
+    /// Id of the building, 0 for the ground.
+    pub fid: u32,
+}
+
+/// A ray in a tile.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalRay<'a> {
+    /// The ray.
+    pub ray: &'a Ray,
+    /// Its start, metres from the tile's south-west corner.
+    pub start: Vec2,
+    /// The height that `ray.start.z` counts from, metres.
+    pub eye_elevation: f32,
 }
 
 impl Ray {
@@ -59,24 +72,24 @@ impl Ray {
     }
 }
 
-/// More steps than any walk needs; a guard against endless loops.
-const MAX_STEPS: u32 = 8192;
-
-fn slack(t: f32) -> f32 {
-    1e-3 + 2e-6 * t
+/// Rounding of a hit's position along the ray, metres.
+pub(super) fn slack(t: f32) -> f32 {
+    SLACK[0] + SLACK[1] * t
 }
 
-/// First hit with the roofs and walls of one texel, between `t0` and `t1`. `start` is the ray's start in the
-/// tile's local coordinates, `eye_elevation` the height that `ray.start.z` counts from.
-pub fn visit_cell(
+/// First hit with the roofs and walls of one texel, between `t0` and `t1`.
+fn visit_cell(
     map: &BuildingMap,
     code: u32,
     cell: IVec2,
-    ray: &Ray,
-    start: Vec2,
-    eye_elevation: f32,
+    local: &LocalRay<'_>,
     [t0, t1]: [f32; 2],
 ) -> Option<Hit> {
+    let LocalRay {
+        ray,
+        start,
+        eye_elevation,
+    } = *local;
     let mut best: Option<Hit> = None;
     let best_t = |best: &Option<Hit>| best.map_or(f32::INFINITY, |hit| hit.t);
     let from_t = t0 - slack(t0);
@@ -164,26 +177,24 @@ pub fn visit_cell(
     best
 }
 
-fn lead(forward: [bool; 2]) -> Vec2 {
+/// 1 along the axes on which the ray goes forward.
+pub(super) fn lead(forward: [bool; 2]) -> Vec2 {
     Vec2::new(f32::from(u8::from(forward[0])), f32::from(u8::from(forward[1])))
 }
 
-fn step(forward: [bool; 2]) -> IVec2 {
+/// The step to the next square along each axis.
+pub(super) fn step(forward: [bool; 2]) -> IVec2 {
     IVec2::new(if forward[0] { 1 } else { -1 }, if forward[1] { 1 } else { -1 })
 }
 
-/// First hit within one tile between `t0` and `t1`; `corner` is the tile's south-west corner, eye-relative. Also
-/// counts the map's reads into `reads`.
-pub fn walk_tile(
-    tile: &MapTile,
-    ray: &Ray,
-    corner: Vec2,
-    eye_elevation: f32,
-    [t0, t1]: [f32; 2],
-    reads: &mut u32,
-) -> Option<Hit> {
+/// First hit within one tile between `t0` and `t1`. Also counts the map's reads into `reads`.
+fn walk_tile(tile: &MapTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2], reads: &mut u32) -> Option<Hit> {
+    let LocalRay {
+        ray,
+        start,
+        eye_elevation,
+    } = *local;
     let map = &tile.map;
-    let start = ray.start.xy() - corner;
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
     // Begin with nodes about as large as the way to go: a short way need not come down from the tile's top.
@@ -222,7 +233,7 @@ pub fn walk_tile(
             Some(t_past) if level == 0 => {
                 let code = map.cells[child.y as usize * map.side + child.x as usize];
                 *reads += 1;
-                let hit = visit_cell(map, code, child, ray, start, eye_elevation, [t, t_past]);
+                let hit = visit_cell(map, code, child, local, [t, t_past]);
                 if hit.is_some() {
                     return hit;
                 }
@@ -251,58 +262,53 @@ pub fn walk_tile(
     None
 }
 
-/// First hit with any building of the city between `t0` and `t1`. `eye` is the eye's place in the grid (tile and
-/// metres within it); `tile_at` gives a tile's map by column and row.
-pub fn walk_city<'a>(
-    grid: &TileGrid,
-    (eye_tile, eye_in_tile, eye_elevation): (IVec2, Vec2, f32),
-    highest_roof: f32,
+/// First hit with any building of the city between `t0` and `t1` along a ray whose start counts from `eye`.
+pub fn walk_city(
+    tiles: &TileSet,
+    eye: &GridPosition,
     ray: &Ray,
     [t0, t1]: [f32; 2],
-    tile_at: impl Fn(IVec2) -> Option<&'a MapTile>,
     reads: &mut u32,
 ) -> Option<Hit> {
+    let grid = &tiles.grid;
     let tile_m = grid.tile_m as f32;
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
     let counts = IVec2::new(grid.columns as i32, grid.rows as i32);
-    // Only the way through the city's volume: over its tiles and below its highest roof.
-    let corner_of = |tile: IVec2| (tile - eye_tile).as_vec2() * tile_m - eye_in_tile;
-    let low = (corner_of(IVec2::ZERO) - ray.start.xy()) * ray.inverse;
-    let high = (corner_of(counts) - ray.start.xy()) * ray.inverse;
-    let pick = |forward: bool, near: f32, far: f32| if forward { (near, far) } else { (far, near) };
-    let (in_x, past_x) = pick(forward[0], low.x, high.x);
-    let (in_y, past_y) = pick(forward[1], low.y, high.y);
-    let t_roofs = (highest_roof - eye_elevation - ray.start.z) / ray.direction.z;
-    let mut t = t0.max(in_x).max(in_y);
-    let mut end = t1.min(past_x).min(past_y);
+    // Only the path through the city's volume: over its tiles and below its highest roof.
+    let [t_in, t_past] = across_grid(tiles, eye, ray);
+    let t_roofs = (tiles.max_roof - eye.elevation - ray.start.z) / ray.direction.z;
+    let mut t = t0.max(t_in);
+    let mut end = t1.min(t_past);
     if ray.direction.z > 0.0 {
         end = end.min(t_roofs);
     } else if ray.direction.z < 0.0 {
         t = t.max(t_roofs);
     }
-    let place = eye_in_tile + ray.start.xy() + t * ray.direction.xy();
-    let mut tile = eye_tile + (place / tile_m).floor().as_ivec2();
+    let position = eye.in_tile + ray.start.xy() + t * ray.direction.xy();
+    let mut tile = eye.tile + (position / tile_m).floor().as_ivec2();
     for _ in 0..MAX_STEPS {
         if t >= end {
             break;
         }
-        let corner = corner_of(tile);
+        let corner = eye.tile_corner(grid, tile);
         let t_border = (corner + lead * tile_m - ray.start.xy()) * ray.inverse;
-        let t_out = t_border.x.min(t_border.y).min(end);
-        if tile.cmpge(IVec2::ZERO).all()
-            && tile.cmplt(counts).all()
-            && let Some(map) = tile_at(tile)
-        {
+        let t_out = t_border.min_element().min(end);
+        if let Some(map) = tiles.at(tile).and_then(|tile| tile.buildings.as_ref()) {
             *reads += 1;
-            // Of the way through the tile only what lies between its lowest ground and its highest roof.
-            let t_low = (map.pyramid.low() - eye_elevation - ray.start.z) / ray.direction.z;
-            let t_high = (map.pyramid.top() - eye_elevation - ray.start.z) / ray.direction.z;
+            // Of the path through the tile only what lies between its lowest ground and its highest roof.
+            let t_low = (map.pyramid.low() - eye.elevation - ray.start.z) / ray.direction.z;
+            let t_high = (map.pyramid.top() - eye.elevation - ray.start.z) / ray.direction.z;
             let (t_first, t_last) = (t_low.min(t_high), t_low.max(t_high));
             let from_t = t.max(t_first - slack(t_first.abs()));
             let to_t = t_out.min(t_last + slack(t_last.abs()));
             if from_t <= to_t {
-                let hit = walk_tile(map, ray, corner, eye_elevation, [from_t, to_t], reads);
+                let local = LocalRay {
+                    ray,
+                    start: ray.start.xy() - corner,
+                    eye_elevation: eye.elevation,
+                };
+                let hit = walk_tile(map, &local, [from_t, to_t], reads);
                 if let Some(hit) = hit.filter(|hit| hit.t <= end) {
                     return Some(hit);
                 }
@@ -323,4 +329,13 @@ pub fn walk_city<'a>(
         }
     }
     None
+}
+
+/// Where the ray comes over the grid and where it leaves it, metres along it.
+pub(super) fn across_grid(tiles: &TileSet, eye: &GridPosition, ray: &Ray) -> [f32; 2] {
+    let counts = IVec2::new(tiles.grid.columns as i32, tiles.grid.rows as i32);
+    let to_min = (eye.tile_corner(&tiles.grid, IVec2::ZERO) - ray.start.xy()) * ray.inverse;
+    let to_max = (eye.tile_corner(&tiles.grid, counts) - ray.start.xy()) * ray.inverse;
+    let [t_in, t_out] = [to_min.min(to_max), to_min.max(to_max)];
+    [t_in.max_element(), t_out.min_element()]
 }

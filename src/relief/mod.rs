@@ -1,31 +1,41 @@
 //! The relief pass: resident tiles, pose and sun to linear HDR radiance, depth and ids.
 //!
 //! ```text
-//! ground ─▶ distance, normal ─┬──────────────────────────────────┐
-//!                             └▶ cone ─▶ exact | polygons ─▶ shade ─▶ radiance, distance, id
+//! ground_pass ─▶ distance, normal ─┬──────────────────────────────────────────────────┐
+//!                                  └▶ cone_pass ─▶ exact_pass | polygons_pass ─▶ shade_pass ─▶ radiance, distance, id
 //! ```
+//! One traversal on the CPU as well: `march` past the buildings, `ground_march` past the terrain; `cast` is what others call.
 
-mod cone;
-mod bindings;
-mod cpu_map;
-mod exact;
-mod frame;
-mod ground;
+mod building_mesh;
+mod cast;
+mod city_bindings;
+mod cone_pass;
+mod constants;
+mod context;
+mod exact_pass;
+mod frame_uniforms;
+mod grid_position;
+mod ground_march;
+mod ground_pass;
 mod march;
-mod mesh;
 mod pass;
-mod polygons;
-mod shade;
+mod polygons_pass;
+mod shade_pass;
 mod shaders;
-mod sun;
+mod sun_visibility;
 mod targets;
 
-pub use bindings::MapBindings;
-pub use cpu_map::CpuMap;
-pub use frame::{FrameUniforms, Light};
-pub use march::{Hit, MapTile, Ray, visit_cell, walk_city, walk_tile};
-pub use mesh::{BuildingMesh, MeshVertex, building_mesh};
-pub use pass::{ReliefMode, ReliefPass};
+pub use building_mesh::{BuildingMesh, MeshVertex, building_mesh};
+pub use cast::{cast_buildings, cast_ground, is_open, pick};
+pub use city_bindings::CityBindings;
+pub use constants::FAR;
+pub use exact_pass::ExactPass;
+pub use frame_uniforms::FrameUniforms;
+pub use grid_position::GridPosition;
+pub use march::{Hit, SurfaceHit};
+pub use pass::{ReliefMode, ReliefPass, ReliefView};
+pub use polygons_pass::{Anchor, PolygonsPass};
+pub use shade_pass::ShadePass;
 pub use shaders::ALL as SHADERS;
-pub use sun::{SUN_RADIUS, sun_irradiance, sun_visibility};
+pub use sun_visibility::sun_seen_from;
 pub use targets::ReliefTargets;

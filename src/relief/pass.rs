@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 
-use super::bindings::{UNIFORM, group_of, layout_of};
-use super::cone::ConePass;
-use super::exact::ExactPass;
-use super::ground::GroundPass;
-use super::polygons::PolygonsPass;
-use super::shade::ShadePass;
+use super::cone_pass::ConePass;
+use super::context::{PassContext, pass_number};
+use super::exact_pass::ExactPass;
+use super::ground_pass::GroundPass;
+use super::polygons_pass::PolygonsPass;
+use super::shade_pass::ShadePass;
 use super::targets::ReliefTargets;
-use super::{BuildingMesh, FrameUniforms, Light, MapBindings};
-use crate::gpu::{Gpu, GpuError, PassTimer, uniform_buffer};
+use super::{BuildingMesh, CityBindings, FrameUniforms};
+use crate::gpu::{Gpu, GpuError, PassTimer, UNIFORM, Uniform};
 use crate::scene::{Frustum, Resident};
-use crate::space::{Projection, View};
+use crate::space::{Projection, Sun};
 
 /// How buildings are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -23,85 +23,134 @@ pub enum ReliefMode {
     Polygons,
 }
 
-/// All pipelines for one resident city.
+/// One sample of one view.
+#[derive(Clone, Copy, Debug)]
+pub struct ReliefView<'a> {
+    /// Pose and image, the sample's jitter in it.
+    pub projection: &'a Projection,
+    /// The sun.
+    pub sun: &'a Sun,
+    /// Number of the sample, from 0.
+    pub sample: u32,
+    /// How buildings are drawn.
+    pub mode: ReliefMode,
+}
+
+/// All pipelines, uniforms and targets for one resident city.
 pub struct ReliefPass {
+    uniforms: Uniform<FrameUniforms>,
     frame_layout: wgpu::BindGroupLayout,
-    map: MapBindings,
+    frame: wgpu::BindGroup,
+    city: CityBindings,
     ground: GroundPass,
     cone: ConePass,
     exact: ExactPass,
     shade: ShadePass,
     polygons: Option<PolygonsPass>,
+    targets: Option<ReliefTargets>,
 }
 
 impl ReliefPass {
+    /// Group 0: the frame.
+    pub const FRAME: [wgpu::BindingType; 1] = [UNIFORM];
+    /// Timed passes, in the order of their numbers.
+    pub const PASSES: [&str; 3] = ["ground", "buildings", "light"];
+
     /// Compiles the pipelines.
     pub fn new(gpu: &Gpu, resident: &Resident) -> Self {
-        let frame_layout = layout_of(gpu, "frame", &[UNIFORM]);
-        let map = MapBindings::new(gpu, resident);
+        let uniforms = Uniform::new(gpu, "frame");
+        let frame_layout = gpu.layout("frame", &Self::FRAME);
+        let city = CityBindings::new(gpu, resident);
+        let layouts = [&frame_layout, &city.layout];
         Self {
-            ground: GroundPass::new(gpu, resident, &frame_layout),
-            cone: ConePass::new(gpu, &frame_layout, &map),
-            exact: ExactPass::new(gpu, &frame_layout, &map),
-            shade: ShadePass::new(gpu, &frame_layout, &map),
+            frame: gpu.group("frame", &frame_layout, &[uniforms.binding()]),
+            uniforms,
+            ground: GroundPass::new(gpu, layouts),
+            cone: ConePass::new(gpu, layouts),
+            exact: ExactPass::new(gpu, layouts),
+            shade: ShadePass::new(gpu, layouts),
             polygons: None,
+            targets: None,
             frame_layout,
-            map,
+            city,
         }
     }
 
-    /// Uploads the mesh that `ReliefMode::Polygons` draws.
+    /// Uploads the mesh that [`ReliefMode::Polygons`] draws.
+    ///
+    /// # Errors
+    /// When the device cannot hold it.
     pub fn set_polygons(&mut self, gpu: &Gpu, mesh: &BuildingMesh, origin: DVec3) -> Result<(), GpuError> {
-        self.polygons = Some(PolygonsPass::new(gpu, &self.frame_layout, mesh, origin)?);
+        let mut polygons = PolygonsPass::new(gpu, &self.frame_layout, mesh, origin)?;
+        if let Some(targets) = &self.targets {
+            polygons.bind(gpu, targets);
+        }
+        self.polygons = Some(polygons);
         Ok(())
     }
 
-    /// Number of timed passes: ground, buildings, light.
-    pub const PASSES: u32 = 3;
+    /// Targets of `size` pixels, made anew where they have another size.
+    pub fn resize(&mut self, gpu: &Gpu, resident: &Resident, size: [u32; 2]) -> &ReliefTargets {
+        if self.targets.as_ref().is_some_and(|targets| targets.size != size) {
+            self.targets = None;
+        }
+        self.targets.get_or_insert_with(|| {
+            let targets = ReliefTargets::new(gpu, size);
+            self.exact.bind(gpu, &targets);
+            self.shade.bind(gpu, &targets, &resident.imagery);
+            if let Some(polygons) = &mut self.polygons {
+                polygons.bind(gpu, &targets);
+            }
+            targets
+        })
+    }
 
-    /// Encodes one sample of one view. Polygons without a mesh draw no buildings.
-    #[allow(clippy::too_many_arguments)]
+    /// The images of the last size asked for.
+    pub fn targets(&self) -> Option<&ReliefTargets> {
+        self.targets.as_ref()
+    }
+
+    /// Encodes one sample of one view into the targets. Polygons without a mesh draw no buildings.
     pub fn encode(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         resident: &Resident,
-        view: &View,
-        projection: &Projection,
-        light: &Light,
-        sample: u32,
-        mode: ReliefMode,
-        targets: &ReliefTargets,
-        timer: Option<&PassTimer>,
+        view: &ReliefView<'_>,
+        timer: &PassTimer,
     ) {
-        let uniforms = FrameUniforms::new(resident, view, projection, light, sample);
-        let buffer = uniform_buffer(gpu, "frame", &uniforms);
-        let frame = group_of(gpu, "frame", &self.frame_layout, vec![buffer.as_entire_binding()]);
-        let frustum = Frustum::new(uniforms.clip_from_eye_relative, view.eye);
-        let timed = |pass: u32| timer.and_then(|timer| timer.of_pass(pass));
-        self.ground
-            .encode(encoder, resident, view, &frustum, &frame, targets, timed(0));
-        match (mode, &self.polygons) {
-            (ReliefMode::Polygons, Some(polygons)) => {
-                polygons.encode(gpu, encoder, view, &frustum, &frame, targets, timed(1));
-            }
-            (ReliefMode::Polygons, None) => drop(targets.begin_relief_pass(encoder, timed(1))),
-            (ReliefMode::Exact, _) => {
-                let begin = timer.and_then(|timer| timer.begin_of_pass(1));
-                let end = timer.and_then(|timer| timer.end_of_pass(1));
-                self.cone.encode(encoder, &frame, &self.map, targets, begin);
-                self.exact.encode(gpu, encoder, &frame, &self.map, targets, end);
-            }
-        }
-        self.shade.encode(
+        let Some(targets) = &self.targets else { return };
+        let ReliefView {
+            projection,
+            sun,
+            sample,
+            mode,
+        } = *view;
+        self.uniforms
+            .write(gpu, &FrameUniforms::new(resident, projection, sun, sample));
+        let mut context = PassContext {
             gpu,
             encoder,
             resident,
-            &frame,
-            &self.map,
-            sample,
+            projection,
+            frustum: Frustum::new(projection),
+            frame: &self.frame,
+            city: &self.city.group,
             targets,
-            timed(2),
-        );
+            timer,
+        };
+        self.ground.encode(&mut context);
+        match (mode, &self.polygons) {
+            (ReliefMode::Polygons, Some(polygons)) => polygons.encode(&mut context),
+            (ReliefMode::Polygons, None) => {
+                let timestamps = timer.pass(pass_number::BUILDINGS);
+                drop(targets.begin_relief_pass(context.encoder, timestamps));
+            }
+            (ReliefMode::Exact, _) => {
+                self.cone.encode(&mut context);
+                self.exact.encode(&mut context);
+            }
+        }
+        self.shade.encode(&mut context);
     }
 }

@@ -1,13 +1,11 @@
 //! The images that the relief pass draws, and how its pipelines draw into them.
 
+use super::constants::{CONE_PIXELS, FAR};
 use crate::gpu::{Gpu, Target, color_target};
 
-/// Side of the block of pixels that a cone goes round. Twin: `CONE_PIXELS` in `shaders/relief/{cone,exact}.wgsl`.
-pub const CONE_PIXELS: u32 = 8;
-
-/// No surface, as a clear value (`FAR` in `shaders/lib/frame.wgsl`).
-pub const FAR: wgpu::Color = wgpu::Color {
-    r: 3.0e38,
+/// No surface, as a clear value.
+pub const FAR_COLOR: wgpu::Color = wgpu::Color {
+    r: FAR as f64,
     g: 0.0,
     b: 0.0,
     a: 0.0,
@@ -31,6 +29,8 @@ pub fn relief_target_states() -> [Option<wgpu::ColorTargetState>; 1] {
 
 /// Images of one size that the pass draws.
 pub struct ReliefTargets {
+    /// Pixels.
+    pub size: [u32; 2],
     /// Depth buffer, shared by the ground's and the buildings' pass.
     pub depth: Target,
     /// Ground: metres along the view ray.
@@ -55,6 +55,7 @@ impl ReliefTargets {
         use wgpu::TextureFormat as Format;
         let target = |label: &str, format| Target::new(gpu, label, size, format);
         Self {
+            size,
             depth: target("depth", Format::Depth32Float),
             ground_distance: target("ground distance", Format::R32Float),
             ground_normal: target("ground normal", Format::R32Uint),
@@ -80,7 +81,7 @@ impl ReliefTargets {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("relief"),
             color_attachments: &[self.relief.cleared(wgpu::Color {
-                r: f64::from((FAR.r as f32).to_bits()),
+                r: f64::from(FAR.to_bits()),
                 ..wgpu::Color::TRANSPARENT
             })],
             depth_stencil_attachment: self.depth.cleared_depth(),

@@ -1,8 +1,8 @@
 //! Leaves out tiles whose volume the view cannot see.
 
-use glam::{DVec3, Mat4, Vec4};
+use glam::{DVec3, Vec4};
 
-use crate::space::Bounds;
+use crate::space::{Bounds, Projection};
 
 /// The view's side planes, eye-relative: a point is inside when its dot product with each is not negative.
 pub struct Frustum {
@@ -11,12 +11,13 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// From the clip matrix (Gribb & Hartmann 2001); the far plane is at infinity.
-    pub fn new(clip_from_eye_relative: Mat4, eye: DVec3) -> Self {
+    /// From the clip matrix of a projection (Gribb & Hartmann 2001); the far plane is at infinity.
+    pub fn new(projection: &Projection) -> Self {
+        let clip_from_eye_relative = projection.clip_from_eye_relative();
         let [x, y, w] = [0, 1, 3].map(|row| clip_from_eye_relative.row(row));
         Self {
             planes: [w + x, w - x, w + y, w - y, w],
-            eye,
+            eye: projection.pose.eye,
         }
     }
 
@@ -34,16 +35,13 @@ impl Frustum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::View;
+    use crate::space::Pose;
 
     #[test]
     fn boxes_behind_the_eye_are_left_out_and_those_before_it_kept() {
-        let view = View {
-            eye: DVec3::new(0.0, 0.0, 50.0),
-            look: DVec3::new(0.0, 100.0, 40.0),
-            fov_y: 1.0,
-        };
-        let frustum = Frustum::new(view.projection([160, 90]).clip_from_eye_relative(), view.eye);
+        let eye = DVec3::new(0.0, 0.0, 50.0);
+        let pose = Pose::looking_at(eye, DVec3::new(0.0, 100.0, 40.0));
+        let frustum = Frustum::new(&Projection::new(pose, [160, 90], 1.0));
         let at = |south: f64| Bounds {
             west: -5.0,
             south,

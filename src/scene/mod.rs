@@ -1,19 +1,26 @@
-//! Which tiles are on the GPU, and in which order they are drawn. For now every tile of level 0 is resident;
-//! streaming and levels have their place here.
+//! Which tiles are resident, and in which order they are drawn. For now every tile of level 0 is; streaming and levels have
+//! their place here.
+//!
+//! ```text
+//! city ─▶ Tile ─┬▶ ground_tiles, map_tiles, imagery_tiles (GPU) ─┐
+//!               └▶ tile_set (CPU: rays, picking) ────────────────┴▶ Resident
+//! ```
 
-mod batch;
 mod cull;
 mod error;
-mod ground;
-mod maps;
-mod order;
+mod ground_tiles;
 mod imagery_mips;
-mod imagery;
+mod imagery_tiles;
+mod map_tiles;
+mod order;
 mod resident;
+mod tile_set;
 
 pub use cull::Frustum;
 pub use error::SceneError;
-pub use ground::{GroundSlot, GroundTile, TerrainMesh};
-pub use maps::{Corner, TileSlot};
+pub use ground_tiles::{GroundRecord, GroundSlot, GroundTiles, TerrainMesh};
+pub use imagery_tiles::ImageryTiles;
+pub use map_tiles::{MapTiles, TileSlot, VertexRecord};
 pub use order::nearest_first;
 pub use resident::Resident;
+pub use tile_set::{GroundTile, TileSet, WalkTile};

@@ -1,17 +1,22 @@
-//! A city's tiles on the GPU.
+//! A city's tiles made resident: on the GPU for drawing, on the CPU for rays.
+
+use glam::DVec2;
+use rayon::prelude::*;
 
 use super::SceneError;
-use super::ground::{GroundSlot, TerrainMesh, load_ground};
-use super::imagery::load_imagery;
-use super::maps::{TileSlot, load_maps};
-use crate::city::City;
-use crate::gpu::{Gpu, GpuError, TextureArray, storage_buffer};
-use crate::space::{TileGrid, TileId};
+use super::ground_tiles::{GroundTiles, GroundUpload, TerrainMesh};
+use super::imagery_tiles::ImageryTiles;
+use super::map_tiles::{MapTiles, MapUpload};
+use super::tile_set::{GroundTile, TileSet, WalkTile};
+use crate::city::{City, CityError, Tile};
+use crate::gpu::{Gpu, filled_texture};
+use crate::space::TileId;
+use crate::terrain::GroundBounds;
 
-/// A city on the GPU.
+/// A resident city.
 pub struct Resident {
-    /// The tile grid.
-    pub grid: TileGrid,
+    /// The tiles on the CPU.
+    pub tiles: TileSet,
     /// Side of a texel, metres.
     pub texel_m: f64,
     /// Texels along a tile's side.
@@ -20,114 +25,98 @@ pub struct Resident {
     pub terrain_step_m: f64,
     /// Terrain samples along a tile's side.
     pub terrain_side: u32,
-    /// Imagery pixels along a tile's side as resident.
-    pub imagery_side: u32,
-    /// Highest roof of the city, metres.
-    pub highest_roof: f32,
-    /// Lowest ground of the tiles with buildings, metres.
-    pub lowest_ground: f32,
-    /// Tiles with buildings, in slot order.
-    pub building_tiles: Vec<TileId>,
-    /// Their records.
-    pub slots: Vec<TileSlot>,
-    /// Tiles with ground, in the order of their records.
-    pub ground: Vec<GroundSlot>,
-    /// Bytes resident on the GPU.
-    pub bytes: u64,
-    /// Per grid tile: building slot and orthophoto layer.
+    /// Per grid tile: building slot, imagery layer, terrain layer, 0; -1 = none.
     pub tile_table: wgpu::TextureView,
-    /// `slots` on the GPU.
-    pub slot_buffer: wgpu::Buffer,
-    /// Cell words.
-    pub cells: TextureArray,
-    /// Bounds on the roofs, a node of 4 x 4 children a texel.
-    pub pyramid: TextureArray,
-    /// Roofs and outlines' corners of all tiles.
-    pub corners: wgpu::Buffer,
-    /// Piece lists of all tiles.
-    pub lists: wgpu::Buffer,
-    /// Metres along its outline, for every corner.
-    pub along_outline: wgpu::Buffer,
-    /// Ground records.
-    pub ground_buffer: wgpu::Buffer,
-    /// Heights.
-    pub heights: TextureArray,
-    /// Triangles of the ground, as sample indices.
-    pub ground_indices: wgpu::Buffer,
-    /// Orthophotos.
-    pub imagery: TextureArray,
+    /// Ground.
+    pub ground: GroundTiles,
+    /// Building maps.
+    pub maps: MapTiles,
+    /// Imagery.
+    pub imagery: ImageryTiles,
 }
+
+/// Tiles read in parallel at a time: bounds the memory beside the GPU's.
+const BATCH: usize = 32;
+/// No tile, in the tile table.
+const NONE: i32 = -1;
 
 impl Resident {
     /// Loads every tile.
+    ///
+    /// # Errors
+    /// When a tile is damaged or missing, or the device cannot hold them all.
     pub fn load(gpu: &Gpu, city: &City, mesh: TerrainMesh) -> Result<Self, SceneError> {
         city.require_all_tiles()?;
         let manifest = city.manifest();
-        let tiles: Vec<TileId> = manifest.grid.tiles().collect();
-        let mut table = vec![[-1_i32; 2]; tiles.len()];
-        let ground = load_ground(gpu, city, &tiles, mesh)?;
-        let maps = load_maps(gpu, city, &tiles, &ground, &mut table)?;
-        let (imagery, imagery_side, imagery_bytes) = load_imagery(gpu, city, &tiles, &mut table)?;
-        let slot_buffer = storage_buffer(gpu, "tile slots", &maps.slots)?;
-        let bytes = ground.bytes + maps.bytes + imagery_bytes;
+        let ids: Vec<TileId> = manifest.grid.tiles().collect();
+        let count = |has: &dyn Fn(TileId) -> bool| ids.iter().filter(|&&id| has(id)).count() as u32;
+        let terrain_side = manifest.terrain_side as u32;
+        let tile_texels = manifest.tile_texels as u32;
+        let terrain_layers = count(&|id| city.has_terrain(id));
+        let mut ground = GroundUpload::new(gpu, mesh, terrain_side, terrain_layers)?;
+        let mut maps = MapUpload::new(gpu, tile_texels, count(&|id| city.has_buildings(id)))?;
+        let imagery_layers = count(&|id| city.has_imagery(id));
+        let mut imagery = ImageryTiles::new(gpu, manifest.imagery_side as u32, imagery_layers)?;
+        let mut tiles = TileSet::new(manifest.grid);
+        let mut table = vec![[NONE, NONE, NONE, 0]; ids.len()];
+        for (batch, entries) in ids.chunks(BATCH).zip(table.chunks_mut(BATCH)) {
+            let loaded: Vec<(Tile, Option<GroundBounds>)> = batch
+                .par_iter()
+                .map(|&id| {
+                    let tile = city.tile(id)?;
+                    let terrain = tile.terrain.as_ref();
+                    let bounds = terrain.map(|terrain| GroundBounds::from_heights(&terrain.ground));
+                    Ok((tile, bounds))
+                })
+                .collect::<Result<_, CityError>>()?;
+            for ((tile, bounds), entry) in loaded.into_iter().zip(entries) {
+                let slot = tile.buildings.as_ref().map(|map| maps.put(gpu, map));
+                let layer = tile.imagery.map(|image| imagery.put(gpu, image));
+                let terrain = tile.terrain.as_ref().zip(bounds.as_ref());
+                let terrain = terrain.and_then(|(terrain, bounds)| ground.put(gpu, tile.id, terrain, bounds));
+                let indices = [slot, layer, terrain].map(|index| index.map_or(NONE, |index| index as i32));
+                *entry = [indices[0], indices[1], indices[2], 0];
+                let walked = tile.terrain.zip(bounds).map(|(terrain, bounds)| GroundTile {
+                    heights: terrain.ground,
+                    bounds,
+                });
+                tiles.put(
+                    tile.id,
+                    WalkTile {
+                        ground: walked,
+                        buildings: tile.buildings,
+                    },
+                );
+            }
+            // So that the device frees the staging memory of the uploads.
+            gpu.queue.submit([]);
+            gpu.wait()?;
+        }
+        let grid = &manifest.grid;
+        let max = u64::from(gpu.device.limits().max_texture_dimension_2d);
+        gpu.require("the tile grid", u64::from(grid.columns.max(grid.rows)), max)?;
+        let table_size = [grid.columns, grid.rows];
+        let format = wgpu::TextureFormat::Rgba32Sint;
         Ok(Self {
-            grid: manifest.grid,
+            tiles,
             texel_m: manifest.texel_m,
-            tile_texels: manifest.tile_texels as u32,
+            tile_texels,
             terrain_step_m: manifest.terrain_step_m,
-            terrain_side: manifest.terrain_side as u32,
-            imagery_side,
-            highest_roof: maps
-                .slots
-                .iter()
-                .map(|slot| slot.high)
-                .fold(f32::NEG_INFINITY, f32::max),
-            lowest_ground: maps
-                .slots
-                .iter()
-                .map(|slot| slot.low)
-                .fold(f32::INFINITY, f32::min),
-            building_tiles: maps.tiles,
-            slots: maps.slots,
-            ground: ground.slots,
-            bytes,
-            tile_table: table_texture(gpu, &manifest.grid, &table)?,
-            slot_buffer,
-            cells: maps.cells,
-            pyramid: maps.pyramid,
-            corners: maps.corners,
-            lists: maps.lists,
-            along_outline: maps.along_outline,
-            ground_buffer: ground.records,
-            heights: ground.heights,
-            ground_indices: ground.indices,
+            terrain_side,
+            tile_table: filled_texture(gpu, "tile table", table_size, format, &table),
+            ground: ground.finish(gpu)?,
+            maps: maps.finish(gpu)?,
             imagery,
         })
     }
-}
 
-fn table_texture(gpu: &Gpu, grid: &TileGrid, table: &[[i32; 2]]) -> Result<wgpu::TextureView, GpuError> {
-    use wgpu::util::{DeviceExt, TextureDataOrder};
-    let most = u64::from(gpu.device.limits().max_texture_dimension_2d);
-    gpu.require("the tile grid", u64::from(grid.columns.max(grid.rows)), most)?;
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("tile table"),
-            size: wgpu::Extent3d {
-                width: grid.columns,
-                height: grid.rows,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rg32Sint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        TextureDataOrder::LayerMajor,
-        bytemuck::cast_slice(table),
-    );
-    Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+    /// Bytes resident on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.ground.bytes + self.maps.bytes + self.imagery.bytes
+    }
+
+    /// Ground at a point of the city, metres.
+    pub fn ground_at(&self, point: DVec2) -> Option<f64> {
+        self.tiles.ground_at(point)
+    }
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use gdal::spatial_ref::SpatialRef;
 
-use super::SourceError;
 use super::spatial_reference::crs_from_gdal;
+use super::{SourceError, SourceRole};
 use crate::space::Crs;
 
 /// How to decide a file's CRS.
@@ -34,12 +34,12 @@ impl CrsChoice {
         }
     }
 
-    /// The CRS of a file that names `own`; `flag` is how the user can give one.
+    /// The CRS of a file that names `own`; `role` is what the file was given as.
     pub fn of_file(
         &self,
         path: &Path,
         own: Option<SpatialRef>,
-        flag: &'static str,
+        role: SourceRole,
     ) -> Result<Crs, SourceError> {
         if let Some(given) = &self.given {
             return Ok(given.clone());
@@ -47,7 +47,7 @@ impl CrsChoice {
         let Some(own) = own.filter(|reference| !reference.is_local()) else {
             return self.fallback.clone().ok_or_else(|| SourceError::NoCrs {
                 path: path.to_owned(),
-                flag,
+                role,
             });
         };
         crs_from_gdal(&own).map_err(|source| SourceError::Crs {

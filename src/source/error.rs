@@ -1,10 +1,23 @@
-//! Why a source file could not be used: the file, what is wrong, what to do.
+//! Why a source file could not be used: the file, what is wrong, and what to do where that lies with the file. What a
+//! command can be told instead is the command line's to say (`cli::advice`).
 
 use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::listed;
 use crate::space::CrsError;
+
+/// What a source file is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SourceRole {
+    /// Ground heights.
+    Terrain,
+    /// Building footprints.
+    Footprints,
+    /// Orthophotos.
+    Imagery,
+}
 
 /// A source file was refused.
 #[derive(Debug, Error)]
@@ -28,12 +41,62 @@ pub enum SourceError {
         why: String,
     },
     /// It says nothing of its CRS.
-    #[error("{}: has no coordinate reference system; name it with {flag} EPSG:n", path.display())]
+    #[error("{}: has no coordinate reference system", path.display())]
     NoCrs {
         /// The file.
         path: PathBuf,
-        /// The command-line flag that mends it.
-        flag: &'static str,
+        /// What it was given as.
+        role: SourceRole,
+    },
+    /// Its coordinates cannot be what its CRS says.
+    #[error("{}: {why}", path.display())]
+    WrongCrs {
+        /// The file.
+        path: PathBuf,
+        /// What it was given as.
+        role: SourceRole,
+        /// What failed.
+        why: String,
+    },
+    /// Orthophotos given as terrain.
+    #[error("{}: looks like an orthophoto (three or more 8-bit bands), not like terrain", path.display())]
+    NotTerrain {
+        /// The file.
+        path: PathBuf,
+    },
+    /// More than one layer may hold the footprints.
+    #[error("{}: has several layers ({})", path.display(), listed(layers))]
+    SeveralLayers {
+        /// The file.
+        path: PathBuf,
+        /// Their names.
+        layers: Vec<String>,
+    },
+    /// No layer of the name, or none with areas.
+    #[error("{}: {}; its layers are {}", path.display(), match wanted {
+        Some(name) => format!("has no layer '{name}'"),
+        None => "has no layer of areas (building footprints are polygons)".to_owned(),
+    }, listed(layers))]
+    NoLayer {
+        /// The file.
+        path: PathBuf,
+        /// The name asked for.
+        wanted: Option<String>,
+        /// The names there are.
+        layers: Vec<String>,
+    },
+    /// No field of the name.
+    #[error("{}: has no field '{field}'; {}", path.display(), match fields.as_slice() {
+        [] => "it has no fields at all: a shapefile needs its .dbf beside it".to_owned(),
+        fields => format!("its fields are {}", listed(fields)),
+    })]
+    NoField {
+        /// The file.
+        path: PathBuf,
+        /// The name asked for.
+        field: String,
+        /// The names there are.
+        fields: Vec<String>,
     },
     /// Its CRS cannot be used or transformed.
     #[error("{}: {source}", path.display())]

@@ -5,17 +5,22 @@
 mod crs_choice;
 mod error;
 mod footprint;
+mod height_rule;
+mod height_text;
+mod listed;
 mod raster;
 mod spatial_reference;
 mod vector;
 
 pub use crs_choice::CrsChoice;
-pub use error::SourceError;
 use error::gdal_says;
-pub use footprint::{Footprint, HeightRule, RoofSpec};
-pub use raster::{Dtm, DtmSampler, Imagery};
+pub use error::{SourceError, SourceRole};
+pub use footprint::{Footprint, HeightOrigin, RoofSpec};
+pub use height_rule::{HeightField, HeightReading, HeightRule};
+pub use listed::listed;
+pub use raster::{Dtm, DtmSampler, Imagery, SampleLattice, SteppedHeights};
 pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
-    CleanReport, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource, Outline,
-    clean_outline,
+    CleanReport, FieldCount, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource,
+    Outline, clean_outline,
 };

@@ -4,12 +4,14 @@
 
 mod bounds;
 mod crs;
+mod pose;
 mod sun;
+mod sun_position;
 mod tile_grid;
-mod view;
 
 pub use bounds::Bounds;
 pub use crs::{Accuracy, Crs, CrsError, GeoArea, MissingGrids, Operation, OperationWarning, PointTransform};
-pub use sun::{Place, SunError, sun_direction_in_world, sun_from_azimuth_altitude};
+pub use pose::{Pose, Projection};
+pub use sun::{SOLAR_ANGULAR_RADIUS, Sun};
+pub use sun_position::{Place, SunError, sun_direction_at, sun_direction_in_world};
 pub use tile_grid::{TileGrid, TileId};
-pub use view::{Projection, View};

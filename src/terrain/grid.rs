@@ -1,9 +1,10 @@
-//! The regular grid: two triangles per lattice cell.
+//! The regular grid: two triangles per cell of the mesh lattice.
 
 use super::HeightTile;
 
-/// Triangles as sample indices, counter-clockwise from above; cells with a missing corner are left open.
+/// Triangles as indices of mesh positions, counter-clockwise from above; cells with a missing corner are left open.
 pub fn grid_triangles(tile: &HeightTile) -> Vec<[u32; 3]> {
+    let tile = &tile.refined(tile.mesh_parts());
     let side = tile.side;
     let mut triangles = Vec::with_capacity(2 * (side - 1) * (side - 1));
     for j in 0..side - 1 {

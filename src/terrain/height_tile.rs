@@ -1,5 +1,5 @@
 //! Ground heights of one tile: `side` x `side` samples, the outermost on the tile's border, so that
-//! neighbours share them.
+//! neighbours share them. The surface between them is bilinear.
 
 /// Heights in metres, NaN where there is no ground; row by row from the south.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +12,60 @@ pub struct HeightTile {
     pub heights: Vec<f32>,
 }
 
+/// Distance between the positions that a mesh may use, at most, metres. Two triangles differ from the bilinear cell under
+/// them by a quarter of its twist, which shrinks with the square of the distance: 90 m of steep ground differ by metres,
+/// 4 m of the same ground by millimetres.
+const MESH_STEP_M: f64 = 4.0;
+
+/// Most mesh intervals along a tile's side.
+const MAX_MESH_INTERVALS: usize = 1024;
+
 impl HeightTile {
+    /// Parts that the mesh divides a cell's side into. A mesh's vertices lie on the lattice so refined,
+    /// `(side - 1) * mesh_parts + 1` positions a side, and have the bilinear surface's height.
+    pub fn mesh_parts(&self) -> usize {
+        let wanted = (self.step_m / MESH_STEP_M).ceil() as usize;
+        wanted.min(MAX_MESH_INTERVALS / (self.side - 1).max(1)).max(1)
+    }
+
+    /// Mesh positions along a side.
+    pub fn mesh_side(&self) -> usize {
+        (self.side - 1) * self.mesh_parts() + 1
+    }
+
+    /// The same surface on a lattice `parts` times as fine; missing where a sample that counts is missing.
+    pub fn refined(&self, parts: usize) -> Self {
+        let side = (self.side - 1) * parts + 1;
+        // Index of the cell's first sample, and the weight of its second.
+        let split = |index: usize| {
+            let first = (index / parts).min(self.side - 2);
+            (first, (index - first * parts) as f32 / parts as f32)
+        };
+        let mix = |a: f32, b: f32, weight: f32| match weight {
+            0.0 => a,
+            1.0 => b,
+            _ => a * (1.0 - weight) + b * weight,
+        };
+        let heights = (0..side * side)
+            .map(|k| {
+                let ((i, x), (j, y)) = (split(k % side), split(k / side));
+                let row = |j: usize| {
+                    mix(
+                        self.heights[j * self.side + i],
+                        self.heights[j * self.side + i + 1],
+                        x,
+                    )
+                };
+                mix(row(j), row(j + 1), y)
+            })
+            .collect();
+        Self {
+            side,
+            step_m: self.step_m / parts as f64,
+            heights,
+        }
+    }
+
     /// Ground at a point in metres from the tile's south-west corner: bilinear between samples, none where
     /// a sample that counts is missing or the point is outside.
     pub fn ground(&self, x: f64, y: f64) -> Option<f64> {

@@ -1,4 +1,4 @@
-//! A triangulated TIN by greedy insertion: of all samples the one farthest from the surface
+//! A TIN by greedy insertion: of all positions of the mesh lattice the one farthest from the surface
 //! becomes a vertex, until none is farther than the tolerance (Garland & Heckbert 1995, algorithm III:
 //! each triangle keeps its own worst sample and only triangles touched by an insertion are scanned again).
 //! The Delaunay triangulation is `spade`'s.
@@ -54,17 +54,23 @@ impl Ord for Candidate {
     }
 }
 
-/// Triangles as sample indices, counter-clockwise from above, within `tolerance_m` of every known sample.
-/// Triangles over missing ground are left out; their border is exact.
+/// Triangles as indices of mesh positions (`HeightTile::mesh_parts`), counter-clockwise from above, within `tolerance_m`
+/// of the bilinear surface at every one of them. Triangles over missing ground are left out; their border is exact.
 pub fn tin_triangles(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> Vec<[u32; 3]> {
+    let parts = tile.mesh_parts();
+    let mesh_tile = &tile.refined(parts);
     let mut tin = Tin {
-        tile,
+        tile: mesh_tile,
         mesh: DelaunayTriangulation::new(),
         versions: Vec::new(),
         heap: BinaryHeap::new(),
         tolerance_m,
     };
-    for (i, j) in fixed_vertices(tile, apron, tolerance_m) {
+    let mut fixed = border_vertices(tile, tolerance_m);
+    fixed.extend(hole_vertices(mesh_tile, tile.side, parts, apron));
+    fixed.sort_unstable_by_key(|&(i, j)| (j, i));
+    fixed.dedup();
+    for (i, j) in fixed {
         tin.insert(i, j);
     }
     tin.scan_all();
@@ -73,8 +79,8 @@ pub fn tin_triangles(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> 
             continue;
         }
         let (i, j) = (
-            candidate.sample as usize % tile.side,
-            candidate.sample as usize / tile.side,
+            candidate.sample as usize % mesh_tile.side,
+            candidate.sample as usize / mesh_tile.side,
         );
         if let Some(vertex) = tin.insert(i, j) {
             let touched: Vec<_> = tin
@@ -91,11 +97,10 @@ pub fn tin_triangles(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> 
     tin.triangles()
 }
 
-/// Border vertices, and every known sample beside a missing one.
-fn fixed_vertices(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> Vec<(usize, usize)> {
-    let side = tile.side;
+/// Mesh positions on the border that become vertices. Along it the surface bends at samples alone, so only they are asked.
+fn border_vertices(tile: &HeightTile, tolerance_m: f32) -> Vec<(usize, usize)> {
+    let (side, parts) = (tile.side, tile.mesh_parts());
     let last = side - 1;
-    let mut fixed = Vec::new();
     let border = |at: &dyn Fn(usize) -> (usize, usize)| -> Vec<(usize, usize)> {
         let heights: Vec<f32> = (0..side)
             .map(at)
@@ -104,29 +109,39 @@ fn fixed_vertices(tile: &HeightTile, apron: &Apron<'_>, tolerance_m: f32) -> Vec
         profile_vertices(&heights, tolerance_m)
             .into_iter()
             .map(at)
+            .map(|(i, j)| (i * parts, j * parts))
             .collect()
     };
-    fixed.extend(border(&|k| (k, 0)));
-    fixed.extend(border(&|k| (k, last)));
-    fixed.extend(border(&|k| (0, k)));
-    fixed.extend(border(&|k| (last, k)));
-    if apron.0.iter().any(|height| !height.is_finite()) {
-        let wide = side + 2;
-        for j in 0..side {
-            for i in 0..side {
-                let missing_near = (0..9).any(|n| {
-                    let (di, dj) = (n % 3, n / 3);
-                    !apron.0[(j + dj) * wide + i + di].is_finite()
-                });
-                if missing_near && tile.heights[j * side + i].is_finite() {
-                    fixed.push((i, j));
-                }
+    let mut vertices = border(&|k| (k, 0));
+    vertices.extend(border(&|k| (k, last)));
+    vertices.extend(border(&|k| (0, k)));
+    vertices.extend(border(&|k| (last, k)));
+    vertices
+}
+
+/// Every known mesh position beside a missing one; `samples` is the side of the tile's own lattice.
+fn hole_vertices(mesh: &HeightTile, samples: usize, parts: usize, apron: &Apron<'_>) -> Vec<(usize, usize)> {
+    if apron.0.iter().all(|height| height.is_finite()) {
+        return Vec::new();
+    }
+    let wide = HeightTile {
+        side: samples + 2,
+        step_m: mesh.step_m * parts as f64,
+        heights: apron.0.to_vec(),
+    };
+    let wide = wide.refined(parts);
+    let known = |i: usize, j: usize| wide.heights[j * wide.side + i].is_finite();
+    let mut vertices = Vec::new();
+    for j in 0..mesh.side {
+        for i in 0..mesh.side {
+            let (i_wide, j_wide) = (i + parts, j + parts);
+            let missing_near = (0..9).any(|n| !known(i_wide + n % 3 - 1, j_wide + n / 3 - 1));
+            if missing_near && known(i_wide, j_wide) {
+                vertices.push((i, j));
             }
         }
     }
-    fixed.sort_unstable_by_key(|&(i, j)| (j, i));
-    fixed.dedup();
-    fixed
+    vertices
 }
 
 struct Tin<'a> {
@@ -225,6 +240,11 @@ fn worst_sample(tile: &HeightTile, corners: [Sample; 3], tolerance_m: f32) -> Op
         }
         let base = z[0] + slope_y * (row as f64 - y[0]) - slope_x * x[0];
         for column in (from - 1e-9).ceil() as usize..=(to + 1e-9).floor() as usize {
+            // The border's vertices follow from its profile alone, or neighbours could choose differently.
+            let inner = 1..tile.side - 1;
+            if !inner.contains(&row) || !inner.contains(&column) {
+                continue;
+            }
             let sample = row * tile.side + column;
             let error = (f64::from(tile.heights[sample]) - base - slope_x * column as f64).abs() as f32;
             if error > worst.map_or(tolerance_m, |(error, _)| error) {

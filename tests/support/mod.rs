@@ -2,10 +2,17 @@
 #![allow(dead_code)]
 
 pub mod raycaster;
+pub mod survey;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
+
+use glam::DVec3;
+use rilievo::camera::Camera;
+use rilievo::output::FrameRequest;
+use rilievo::relief::ReliefMode;
+use rilievo::space::{Pose, Sun};
 
 /// The program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_rilievo");
@@ -67,6 +74,24 @@ pub fn import_arguments(files: &Path, out: &Path) -> Vec<String> {
     arguments
 }
 
+/// A pinhole camera; `fov_y` in radians.
+pub fn pinhole(eye: [f64; 3], target: [f64; 3], fov_y: f64) -> Camera {
+    let pose = Pose::looking_at(DVec3::from_array(eye), DVec3::from_array(target));
+    Camera::pinhole(pose, fov_y)
+}
+
+/// A frame of buildings out of the building map, without a lens.
+pub fn request<'a>(camera: &'a Camera, sun: &'a Sun, size: [u32; 2]) -> FrameRequest<'a> {
+    FrameRequest {
+        camera,
+        sun,
+        size,
+        mode: ReliefMode::Exact,
+        flare: None,
+        exposure: 1.0,
+    }
+}
+
 /// Three views of the sample city: street level, oblique, high. Eye and look in its CRS.
 pub const VIEWS: [(&str, [f64; 3], [f64; 3]); 3] = [
     (
@@ -97,4 +122,30 @@ pub fn shared_data() -> Option<PathBuf> {
         folder.display()
     );
     None
+}
+
+/// A pinhole, by its definition.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    pub eye: DVec3,
+    pub target: DVec3,
+    pub fov_y: f64,
+}
+
+impl View {
+    pub fn camera(&self) -> Camera {
+        pinhole(self.eye.to_array(), self.target.to_array(), self.fov_y)
+    }
+}
+
+/// The ray through a pixel's centre of a pinhole image, derived here from the definition of the camera alone.
+pub fn ray(view: &View, size: [u32; 2], column: u32, row: u32) -> DVec3 {
+    let forward = (view.target - view.eye).normalize();
+    let right = forward.cross(DVec3::Z).normalize();
+    let up = right.cross(forward);
+    let half = (view.fov_y / 2.0).tan();
+    let [width, height] = size.map(f64::from);
+    let x = (f64::from(column) + 0.5) / width * 2.0 - 1.0;
+    let y = 1.0 - (f64::from(row) + 0.5) / height * 2.0;
+    (forward + right * (x * half * width / height) + up * (y * half)).normalize()
 }

@@ -9,7 +9,7 @@ pub struct Aperture {
     pub blades: u32,
     /// 0 = straight edges, 1 = a circle.
     pub rounding: f64,
-    /// Turn of the first corner from +x, radians.
+    /// Rotation of the first vertex from +x, radians.
     pub rotation: f64,
     /// Specks and scratches on the glass; they show in the starburst.
     pub dirt: u32,
@@ -27,7 +27,7 @@ impl Default for Aperture {
 }
 
 impl Aperture {
-    /// Distance from the centre to the edge in the direction of `at`, as a share of the circle through the corners.
+    /// Distance from the centre to the edge in the direction of `at`, as a fraction of the circle through the vertices.
     pub fn edge(&self, at: DVec2) -> f64 {
         if self.blades < 3 {
             return 1.0;
@@ -38,14 +38,14 @@ impl Aperture {
         straight + (1.0 - straight) * self.rounding
     }
 
-    /// Light that passes, 0 or 255 with an edge of one texel, row by row from -y; the image spans `reach` times the
-    /// stop's radius to each side.
-    pub fn mask(&self, side: u32, reach: f64) -> Vec<u8> {
-        let texel = 2.0 * reach / f64::from(side);
-        (0..side * side)
+    /// Light that passes, 0 or 255 with an edge of one texel, row by row from -y; the image of `size` x `size` texels spans
+    /// `extent` times the stop's radius from its centre.
+    pub fn mask(&self, size: u32, extent: f64) -> Vec<u8> {
+        let texel = 2.0 * extent / f64::from(size);
+        (0..size * size)
             .map(|k| {
-                let place = |index: u32| (f64::from(index) + 0.5) * texel - reach;
-                let at = DVec2::new(place(k % side), place(k / side));
+                let position = |index: u32| (f64::from(index) + 0.5) * texel - extent;
+                let at = DVec2::new(position(k % size), position(k / size));
                 let inside = (self.edge(at) - at.length()) / texel + 0.5;
                 (inside.clamp(0.0, 1.0) * 255.0).round() as u8
             })

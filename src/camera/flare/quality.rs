@@ -1,6 +1,6 @@
 //! What a flare may cost: one table.
 
-use super::FlareMode;
+use super::{Blend, Fit, FlareMode, GhostParameters, Pattern, StarburstParameters, TracingDevice};
 
 /// Names of the table's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -22,27 +22,52 @@ pub struct Preset {
     pub mode: FlareMode,
     /// Wavelengths of ghosts.
     pub wavelengths: usize,
-    /// Rays along a side of a traced ghost's grid.
+    /// Rays along an edge of a traced ghost's grid.
     pub rays: usize,
     /// Wavelengths of the starburst.
-    pub star_wavelengths: usize,
+    pub starburst_wavelengths: usize,
     /// Side of its transform; the starburst is drawn the farther the larger it is.
-    pub star_side: usize,
+    pub transform_size: usize,
 }
 
 const fn preset(mode: FlareMode, numbers: [usize; 4]) -> Preset {
-    let [wavelengths, rays, star_wavelengths, star_side] = numbers;
+    let [wavelengths, rays, starburst_wavelengths, transform_size] = numbers;
     Preset {
         mode,
         wavelengths,
         rays,
-        star_wavelengths,
-        star_side,
+        starburst_wavelengths,
+        transform_size,
+    }
+}
+
+impl Preset {
+    /// All ghosts, on the GPU.
+    pub fn ghosts(self) -> GhostParameters {
+        GhostParameters {
+            mode: self.mode,
+            wavelengths: self.wavelengths,
+            rays: self.rays,
+            only: None,
+            pattern: Pattern::Whole,
+            blend: Blend::Add,
+            fit: Fit::default(),
+            whole_entrance: false,
+            tracing: TracingDevice::Gpu,
+        }
+    }
+
+    /// The starburst.
+    pub fn starburst(self) -> StarburstParameters {
+        StarburstParameters {
+            wavelengths: self.starburst_wavelengths,
+            transform_size: self.transform_size,
+        }
     }
 }
 
 impl Quality {
-    /// Its row: ghosts, their wavelengths and rays a side; the starburst's wavelengths and side.
+    /// Its row.
     pub const fn preset(self) -> Preset {
         match self {
             Self::Low => preset(FlareMode::Paraxial, [3, 24, 7, 1024]),

@@ -5,7 +5,7 @@
 pub struct Wavelength {
     /// Micrometres.
     pub um: f64,
-    /// Share of each linear sRGB channel; all shares of a spectrum add up to 1, 1, 1.
+    /// Fraction of each linear sRGB channel; all fractions of a spectrum add up to 1, 1, 1.
     pub rgb: [f64; 3],
 }
 

@@ -1,10 +1,13 @@
 //! Survey files to a city folder, tile by tile.
 //!
 //! ```text
-//! footprints ─▶ footprint dataset ─┐
-//! DTM ─▶ terrain tiles ─▶ bases ─▶ building-map tiles ─▶ manifest
-//! orthophotos ─▶ orthophoto tiles ───────────────────────────────────┘
+//! footprints ───────────────┐
+//! DTM ─▶ terrain tiles ─▶ bases ─▶ footprint dataset ─▶ building-map tiles ─▶ manifest
+//! orthophotos ─▶ orthophoto tiles ─────────────────────────────────────────────┘
 //! ```
+//! The footprint source is read twice: for outlines and heights, and, when the ground has told which of them are
+//! buildings, for their attributes, which are never held in memory.
+//!
 //! Memory: the footprints, 192 MiB of ground and a few tiles a thread. All cores. Everything goes to a staging
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
@@ -15,9 +18,10 @@ mod plan;
 mod progress;
 mod warnings;
 mod sources;
+mod spacing;
 mod terrain;
 
-use buildings::{make_building_maps, resolve_base_elevations};
+use buildings::{make_building_maps, make_footprint_dataset};
 use imagery::make_imagery;
 use options::{cache_key, check_numbers, refuse_inputs_inside};
 use plan::{Plan, rejected};
@@ -26,7 +30,8 @@ use sources::Sources;
 use terrain::make_terrain;
 use warnings::source_warnings;
 
-pub use options::ImportOptions;
+pub use options::{ImportOptions, Setting};
+pub use warnings::ImportWarning;
 
 use super::geotiff::GeoKeys;
 use super::ground::Ground;
@@ -34,7 +39,7 @@ use super::manifest::FORMAT;
 use super::staging::Staging;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
-use crate::source::{Footprint, FootprintDatasetWriter, HeightRule};
+use crate::source::{Footprint, HeightRule};
 
 /// Texels along a tile's side.
 pub const TILE_TEXELS: usize = 512;
@@ -44,8 +49,8 @@ pub const TILE_TEXELS: usize = 512;
 pub struct ImportReport {
     /// The city as written.
     pub manifest: Manifest,
-    /// Things the user should know, each with what to do.
-    pub warnings: Vec<String>,
+    /// Things the user should know.
+    pub warnings: Vec<ImportWarning>,
     /// Terrain tiles with ground.
     pub terrain_tiles: u64,
     /// Samples filled in narrow holes.
@@ -64,29 +69,23 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
 
     let rule = match &options.height_rule {
         Some(rule) => rule.clone(),
-        None => sources.buildings.default_rule(),
+        None => sources.buildings.known_height_rule(options.storey_height_m)?,
     };
     if rule == HeightRule::Default {
-        let fields = sources.buildings.field_names()?;
-        warnings.push(format!(
-            "no height field named: every building is {} m high; choose one with --height-field, --storeys-field or --roof-field (the file's fields: {})",
-            options.default_height_m,
-            if fields.is_empty() { "none".to_owned() } else { fields.join(", ") }
-        ));
+        warnings.push(ImportWarning::NoHeights {
+            default_height_m: options.default_height_m,
+            fields: sources.buildings.field_names()?,
+        });
     }
-    let mut map = FootprintDatasetWriter::create(&folder.join("buildings.gpkg"), &sources.crs)?;
     let spinner = progress("footprints", 0);
     let mut footprints: Vec<Footprint> = Vec::new();
-    let mut report = sources.buildings.read(
-        &sources.crs,
-        &rule,
-        options.default_height_m,
-        Some(&mut map),
-        |footprint| {
+    let default_height_m = options.default_height_m;
+    let mut report = sources
+        .buildings
+        .read(&sources.crs, &rule, default_height_m, |footprint| {
             spinner.inc(1);
             footprints.push(footprint);
-        },
-    )?;
+        })?;
     spinner.finish_and_clear();
 
     let plan = Plan::new(&sources, options, &footprints, &report)?;
@@ -99,33 +98,25 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     );
     let terrain = make_terrain(&sources, options, &plan, folder, &keys, &ground)?;
     if terrain.tiles == 0 {
-        return Err(CityError::Unfit {
-            what: format!(
-                "{}: has no ground where the buildings are",
-                options.terrain[0].display()
-            ),
-            advice: "check that both files show the same place".to_owned(),
+        return Err(CityError::NoGround {
+            path: options.terrain[0].clone(),
         });
     }
-    let buildings = resolve_base_elevations(footprints, &ground, &mut report, &mut map)?;
+    let dataset = folder.join("buildings.gpkg");
+    let buildings = make_footprint_dataset(&sources, footprints, &ground, &dataset, &mut report)?;
     if buildings.is_empty() {
-        return Err(CityError::Unfit {
-            what: format!(
-                "{}: no footprint could be kept ({} read{})",
-                options.buildings.display(),
-                report.read,
-                rejected(&report)
-            ),
-            advice: "check the layer (--layer) and that it shows the same place as the terrain".to_owned(),
+        return Err(CityError::NoBuildings {
+            path: options.buildings.clone(),
+            rejected: rejected(&report),
         });
     }
     let (building_map_bytes, building_tiles) = make_building_maps(&buildings, &plan, folder, &keys)?;
     let (imagery_side, imagery_tiles) = make_imagery(&sources, &plan, folder, &keys)?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
-    warnings.extend(source_warnings(&sources, &plan.grid.bounds(), &place)?);
+    let bounds = plan.grid.bounds();
+    warnings.extend(source_warnings(&sources, options.keep_steps, &bounds, &place)?);
     let (operations, operation_warnings) = sources.operations()?;
-    warnings.extend(operation_warnings.iter().map(ToString::to_string));
-    map.finish()?;
+    warnings.extend(operation_warnings.into_iter().map(ImportWarning::Operation));
 
     let manifest = Manifest {
         format: FORMAT,

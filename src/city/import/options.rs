@@ -14,8 +14,10 @@ pub struct ImportOptions {
     pub buildings: PathBuf,
     /// Its layer.
     pub layer: Option<String>,
-    /// Which attribute gives heights; none = what the format itself knows.
+    /// Which attribute gives heights; none = those of known names.
     pub height_rule: Option<HeightRule>,
+    /// Height of a storey where fields of known names count storeys, metres.
+    pub storey_height_m: f64,
     /// Height of buildings without one, metres.
     pub default_height_m: f64,
     /// Aerial orthophotos.
@@ -30,6 +32,8 @@ pub struct ImportOptions {
     pub imagery_crs: Option<String>,
     /// Metres per vertical unit of the terrain; none = what the files say.
     pub terrain_unit_m: Option<f64>,
+    /// Heights stored in whole steps (whole metres) stay terraces.
+    pub keep_steps: bool,
     /// Bound on the terrain mesh's error, metres.
     pub terrain_error_m: f64,
     /// Widest hole in the terrain that is filled, metres.
@@ -54,40 +58,70 @@ pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
         .chain(&options.imagery);
     for input in inputs {
         if std::fs::canonicalize(input).is_ok_and(|input| input.starts_with(&out)) {
-            return Err(CityError::Unfit {
-                what: format!(
-                    "{}: lies inside --out, which the import replaces",
-                    input.display()
-                ),
-                advice: "copy it elsewhere first, or choose another --out".to_owned(),
-            });
+            return Err(CityError::InputInside { path: input.clone() });
         }
     }
     Ok(())
 }
 
+/// A number that an import is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// Side of a building-map texel.
+    Texel,
+    /// Bound on the terrain mesh's error.
+    TerrainError,
+    /// Height of buildings without one.
+    DefaultHeight,
+    /// Widest hole in the terrain that is filled.
+    Fill,
+    /// Terrain around the buildings.
+    Margin,
+    /// Metres per vertical unit of the terrain.
+    TerrainUnit,
+    /// Height of a storey.
+    StoreyHeight,
+}
+
+impl std::fmt::Display for Setting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Texel => "a texel",
+            Self::TerrainError => "a terrain error",
+            Self::DefaultHeight => "a default height",
+            Self::Fill => "a hole width to fill",
+            Self::Margin => "a margin",
+            Self::TerrainUnit => "a terrain unit",
+            Self::StoreyHeight => "a storey height",
+        })
+    }
+}
+
+/// Refuses numbers that no city can be made with.
 pub fn check_numbers(options: &ImportOptions) -> Result<(), CityError> {
     let storey_height_m = match options.height_rule {
         Some(HeightRule::Storeys { storey_height_m, .. }) => storey_height_m,
-        _ => 3.0,
+        _ => options.storey_height_m,
     };
-    for (flag, value, range) in [
-        ("--texel", options.texel_m, 0.1..=64.0),
-        ("--terrain-error", options.terrain_error_m, 0.001..=1000.0),
-        ("--default-height", options.default_height_m, 0.01..=2000.0),
-        ("--fill", options.fill_m, 0.0..=500.0),
-        ("--margin", options.margin_m, 0.0..=1_000_000.0),
+    for (setting, value, [min, max]) in [
+        (Setting::Texel, options.texel_m, [0.1, 64.0]),
+        (Setting::TerrainError, options.terrain_error_m, [0.001, 1000.0]),
+        (Setting::DefaultHeight, options.default_height_m, [0.01, 2000.0]),
+        (Setting::Fill, options.fill_m, [0.0, 500.0]),
+        (Setting::Margin, options.margin_m, [0.0, 1_000_000.0]),
         (
-            "--terrain-unit",
+            Setting::TerrainUnit,
             options.terrain_unit_m.unwrap_or(1.0),
-            0.001..=1000.0,
+            [0.001, 1000.0],
         ),
-        ("--storey-height", storey_height_m, 0.5..=50.0),
+        (Setting::StoreyHeight, storey_height_m, [0.5, 50.0]),
     ] {
-        if !range.contains(&value) {
-            return Err(CityError::Unfit {
-                what: format!("{flag} {value} is out of range"),
-                advice: format!("give a value from {} to {}", range.start(), range.end()),
+        if !(min..=max).contains(&value) {
+            return Err(CityError::OutOfRange {
+                setting,
+                value,
+                min,
+                max,
             });
         }
     }

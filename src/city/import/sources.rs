@@ -2,13 +2,15 @@
 
 use super::ImportOptions;
 use crate::city::{CityError, OperationRecord};
-use crate::source::{CrsChoice, Dtm, FootprintSource, Imagery};
+use crate::source::{CrsChoice, Dtm, FootprintSource, Imagery, SteppedHeights};
 use crate::space::{Crs, GeoArea, Operation, OperationWarning};
 
 /// Opened sources.
 pub struct Sources {
     /// Terrain.
     pub dtm: Dtm,
+    /// Terrain files whose heights are stored in whole steps.
+    pub stepped: Vec<SteppedHeights>,
     /// Footprints.
     pub buildings: FootprintSource,
     /// Orthophotos.
@@ -23,7 +25,8 @@ impl Sources {
         let parse = |text: &Option<String>| text.as_deref().map(Crs::from_text).transpose();
         let city = parse(&options.crs)?;
         let terrain_crs = CrsChoice::new(parse(&options.terrain_crs)?, city.as_ref());
-        let dtm = Dtm::open(&options.terrain, &terrain_crs, options.terrain_unit_m)?;
+        let mut dtm = Dtm::open(&options.terrain, &terrain_crs, options.terrain_unit_m)?;
+        let stepped = dtm.find_stepped_heights(options.keep_steps)?;
         let buildings_crs = CrsChoice::new(parse(&options.buildings_crs)?, city.as_ref());
         let buildings = FootprintSource::open(&options.buildings, options.layer.as_deref(), &buildings_crs)?;
         let built_area = buildings.area_on_globe();
@@ -49,6 +52,7 @@ impl Sources {
             .transpose()?;
         Ok(Self {
             dtm,
+            stepped,
             buildings,
             imagery,
             crs,

@@ -119,6 +119,11 @@ fn terrain_tile(
         apron = cut(&wide, wide_side, margin - 1, side + 2);
         filled = before - missing(&apron);
     }
+    if let Some(rounding) = plan.rounding_m {
+        apron
+            .iter_mut()
+            .for_each(|height| *height = (*height / rounding).round() * rounding);
+    }
     let ground = HeightTile {
         side,
         step_m: plan.terrain_step_m,

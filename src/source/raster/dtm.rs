@@ -7,15 +7,39 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
+use super::height_steps::find_step;
 use super::mosaic_source::MosaicSource;
 use super::sampler::MosaicSampler;
-use crate::source::{CrsChoice, SourceError};
+use super::smoothing::Smoothing;
+use crate::source::{CrsChoice, SourceError, SourceRole};
 use crate::space::{Bounds, Crs, GeoArea};
 
 /// Terrain rasters, finest pixels first; where several cover a point the first that knows it counts.
 #[derive(Clone, Debug)]
 pub struct Dtm {
     sources: Vec<MosaicSource>,
+}
+
+/// Where a source's own samples lie in the city's CRS: north up, square, or rectangular with one side a multiple of the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleLattice {
+    /// Centre of a pixel.
+    pub anchor: DVec2,
+    /// Distance between samples, metres: the source's own, or the round number that it is to its rounding.
+    pub step_m: f64,
+}
+
+/// Files whose heights are stored in whole steps that show as terraces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SteppedHeights {
+    /// The first of the files.
+    pub path: PathBuf,
+    /// How many there are.
+    pub files: usize,
+    /// The step, metres.
+    pub step_m: f64,
+    /// Side of a pixel, metres.
+    pub pixel_m: f64,
 }
 
 impl Dtm {
@@ -58,15 +82,34 @@ impl Dtm {
         self.sources.last().map_or(0.0, |mosaic| mosaic.pixel_m)
     }
 
-    /// A pixel centre and the pixel's side, when all files share one lattice in the city's CRS, north up
-    /// with square pixels: then the city's samples can be the file's own.
-    pub fn lattice_in(&self, city: &Crs) -> Option<(DVec2, f64)> {
-        let [mosaic] = self.sources.as_slice() else {
-            return None;
-        };
-        let [x0, dx, rx, y0, ry, dy] = mosaic.ground_from_pixel;
-        let square = rx == 0.0 && ry == 0.0 && dx > 0.0 && (dx + dy).abs() < 1e-9 * dx;
-        (square && mosaic.crs.same_as(city)).then(|| (DVec2::new(x0 + 0.5 * dx, y0 + 0.5 * dy), dx))
+    /// Looks for heights stored in whole steps at so fine a spacing that they show as terraces, and from then on smooths
+    /// them within half a step unless they are to be kept. Reads a few blocks of each file.
+    pub fn find_stepped_heights(&mut self, keep: bool) -> Result<Vec<SteppedHeights>, SourceError> {
+        let mut found = Vec::new();
+        for mosaic in &mut self.sources {
+            let Some(step_m) = find_step(mosaic)? else {
+                continue;
+            };
+            mosaic.smoothing = (!keep).then(|| Smoothing::new(step_m, mosaic.pixel_m));
+            found.push(SteppedHeights {
+                path: mosaic.files[0].path.clone(),
+                files: mosaic.files.len(),
+                step_m,
+                pixel_m: mosaic.pixel_m,
+            });
+        }
+        Ok(found)
+    }
+
+    /// Where the samples lie of the finest source that meets `bounds`, when it is in the city's CRS, north up: then the
+    /// city's samples can be the source's own.
+    pub fn lattice_in(&self, city: &Crs, bounds: &Bounds) -> Result<Option<SampleLattice>, SourceError> {
+        for mosaic in &self.sources {
+            if mosaic.bounds_in(city)?.meets(bounds) {
+                return Ok(mosaic.lattice_in(city));
+            }
+        }
+        Ok(None)
     }
 
     /// The rectangle of all pixels in the city's CRS, metres.
@@ -108,10 +151,10 @@ impl Dtm {
             .crs
             .area_on_globe(DVec2::new(west, south), DVec2::new(east, north))
             .map_err(|source| mosaic.crs_error(source))?
-            .ok_or_else(|| SourceError::Unfit {
+            .ok_or_else(|| SourceError::WrongCrs {
                 path: mosaic.files[0].path.clone(),
-                what: "lies outside the area of its own coordinate reference system".to_owned(),
-                advice: "check its georeference, or name the right CRS with --terrain-crs EPSG:n".to_owned(),
+                role: SourceRole::Terrain,
+                why: "lies outside the area of its own coordinate reference system".to_owned(),
             })
     }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gdal::raster::{Buffer, GdalDataType};
 use gdal::{Dataset, DriverManager};
 
-use crate::source::{CrsChoice, SourceError, gdal_says};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Imagery files, in the order given; later ones lie on top.
@@ -87,7 +87,7 @@ impl PhotoFile {
             path: path.to_owned(),
             source,
         };
-        let crs = choice.of_file(path, dataset.spatial_ref().ok(), "--photo-crs")?;
+        let crs = choice.of_file(path, dataset.spatial_ref().ok(), SourceRole::Imagery)?;
         let transform = dataset.geo_transform().map_err(|_| SourceError::Unfit {
             path: path.to_owned(),
             what: "has no georeference".to_owned(),
@@ -108,7 +108,7 @@ impl PhotoFile {
                 .is_ok_and(|band| band.color_table().is_some());
         let to_city = PointTransform::new(&crs, city).map_err(crs_error)?;
         let mut bounds = Bounds::EMPTY;
-        for step in 0..4 * 17 {
+        for step in 0..4 * 17_u32 {
             let (side, along) = (step % 4, f64::from(step / 4) / 16.0);
             let (u, v) = [(along, 0.0), (along, 1.0), (0.0, along), (1.0, along)][side as usize];
             let (column, row) = (u * width as f64, v * height as f64);

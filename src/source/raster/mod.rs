@@ -1,10 +1,13 @@
 //! Rasters: the bare-earth terrain (`dtm`) and aerial orthophotos (`orthophoto`).
 
 mod dtm;
+mod height_steps;
 mod imagery;
-mod sampler;
 mod mosaic_source;
+mod sampler;
+mod smoothing;
+mod smoothing_grid;
 mod window;
 
-pub use dtm::{Dtm, DtmSampler};
+pub use dtm::{Dtm, DtmSampler, SampleLattice, SteppedHeights};
 pub use imagery::Imagery;

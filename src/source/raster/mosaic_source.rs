@@ -5,8 +5,13 @@ use std::path::{Path, PathBuf};
 use gdal::{Dataset, GeoTransformEx};
 use glam::DVec2;
 
-use crate::source::{CrsChoice, SourceError, gdal_says};
+use super::dtm::SampleLattice;
+use super::smoothing::Smoothing;
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
+
+/// A sample so near a pixel's centre, in pixels, is that pixel.
+pub const SNAP_PIXELS: f64 = 1e-3;
 
 /// A file with its place in the mosaic source, pixels from the mosaic source's north-west corner.
 #[derive(Clone, Debug)]
@@ -29,6 +34,8 @@ pub struct MosaicSource {
     pub metres_per_unit: f64,
     pub pixel_m: f64,
     pub bounds: Bounds,
+    /// How its heights are smoothed, when they are.
+    pub smoothing: Option<Smoothing>,
 }
 
 impl MosaicSource {
@@ -51,10 +58,9 @@ impl MosaicSource {
             why: gdal_says(&error),
         })?;
         if dataset.raster_count() >= 3 && band.band_type() == gdal::raster::GdalDataType::UInt8 {
-            return Err(unfit(
-                "looks like an orthophoto (three or more 8-bit bands), not like terrain",
-                "give it with --photo",
-            ));
+            return Err(SourceError::NotTerrain {
+                path: path.to_owned(),
+            });
         }
         let ground_from_pixel = dataset.geo_transform().map_err(|_| {
             unfit(
@@ -65,7 +71,7 @@ impl MosaicSource {
         let pixel_from_ground = ground_from_pixel
             .invert()
             .map_err(|_| unfit("has a georeference of zero area", "mend it with gdal_edit.py"))?;
-        let crs = choice.of_file(path, dataset.spatial_ref().ok(), "--terrain-crs")?;
+        let crs = choice.of_file(path, dataset.spatial_ref().ok(), SourceRole::Terrain)?;
         let unit = metres_per_unit
             .or_else(|| metres_of_unit(&band.unit()))
             .or(crs.metres_per_height_unit());
@@ -83,6 +89,7 @@ impl MosaicSource {
             metres_per_unit: unit.unwrap_or(1.0),
             pixel_m: 0.0,
             bounds: Bounds::EMPTY,
+            smoothing: None,
         };
         mosaic.measure();
         Ok(mosaic)
@@ -109,6 +116,28 @@ impl MosaicSource {
         let scale = self.crs.metres_per_unit_at(DVec2::new(x0, y0));
         let side = |x: f64, y: f64| (DVec2::new(x - x0, y - y0) * scale).length();
         self.pixel_m = side(x1, y1).min(side(x2, y2));
+    }
+
+    /// Where the pixel centres lie, when that is a lattice of the city.
+    pub fn lattice_in(&self, city: &Crs) -> Option<SampleLattice> {
+        let [x0, dx, rx, y0, ry, dy] = self.ground_from_pixel;
+        if [rx, ry] != [0.0; 2] || !self.crs.same_as(city) {
+            return None;
+        }
+        let (width, height) = (dx.abs(), dy.abs());
+        let step = width.min(height);
+        let ratio = width.max(height) / step;
+        // Whole up to the rounding of decimals: off by less than a hundredth of a pixel over the whole raster.
+        let pixels = self.size[0].max(self.size[1]) as f64;
+        let whole = (ratio - ratio.round()).abs() * pixels < 0.01 && ratio < 16.5;
+        let rounded = (step * 1000.0).round() / 1000.0;
+        let is_rounded =
+            (rounded / step - 1.0).abs() * pixels < SNAP_PIXELS && (rounded / step - 1.0).abs() < 1e-7;
+        let micrometres = |value: f64| (value * 1e6).round() / 1e6;
+        whole.then(|| SampleLattice {
+            anchor: DVec2::new(micrometres(x0 + 0.5 * dx), micrometres(y0 + 0.5 * dy)),
+            step_m: if is_rounded { rounded } else { step },
+        })
     }
 
     pub fn shares_lattice(&self, other: &Self) -> bool {

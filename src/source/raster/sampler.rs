@@ -6,7 +6,7 @@ use gdal::raster::ResampleAlg;
 use gdal::{Dataset, GeoTransformEx};
 use glam::DVec2;
 
-use super::mosaic_source::{MosaicFile, MosaicSource, open_raster};
+use super::mosaic_source::{MosaicFile, MosaicSource, SNAP_PIXELS, open_raster};
 use super::window::Window;
 use crate::source::{SourceError, gdal_says};
 use crate::space::{Crs, PointTransform};
@@ -111,7 +111,8 @@ impl MosaicSampler {
             return (0..size[0] * size[1])
                 .map(|k| {
                     let (i, j) = (first[0] + (k % size[0]) as i64, first[1] + (k / size[0]) as i64);
-                    to_pixel(origin + DVec2::new(i as f64, j as f64) * step)
+                    let pixel = to_pixel(origin + DVec2::new(i as f64, j as f64) * step);
+                    DVec2::new(snapped(pixel.x), snapped(pixel.y))
                 })
                 .collect();
         }
@@ -165,7 +166,19 @@ impl MosaicSampler {
         (low.x <= high.x && first[0] < last[0] && first[1] < last[1]).then_some((first, last))
     }
 
-    fn read(&self, low: [usize; 2], high: [usize; 2]) -> Result<Window, SourceError> {
+    /// A block of pixels, smoothed where the source is.
+    pub fn read(&self, low: [usize; 2], high: [usize; 2]) -> Result<Window, SourceError> {
+        let Some(smoothing) = &self.mosaic.smoothing else {
+            return self.read_stored(low, high);
+        };
+        let halo = smoothing.halo();
+        let wide_low = low.map(|pixel| pixel.saturating_sub(halo));
+        let wide_high = [0, 1].map(|axis| (high[axis] + halo).min(self.mosaic.size[axis]));
+        let wide = self.read_stored(wide_low, wide_high)?;
+        Ok(smoothing.smooth(&wide, low, high))
+    }
+
+    fn read_stored(&self, low: [usize; 2], high: [usize; 2]) -> Result<Window, SourceError> {
         let size = [high[0] - low[0], high[1] - low[1]];
         let mut window = Window {
             first: low,
@@ -207,6 +220,16 @@ impl OpenFile {
             }
         }
         Ok(())
+    }
+}
+
+/// A coordinate on a pixel's centre but for rounding, put there: its height is then the pixel's to the last bit.
+fn snapped(pixel: f64) -> f64 {
+    let centre = (pixel - 0.5).round() + 0.5;
+    if (pixel - centre).abs() < SNAP_PIXELS {
+        centre
+    } else {
+        pixel
     }
 }
 

@@ -102,8 +102,18 @@ pub fn in_zip(path: &Path) -> PathBuf {
     PathBuf::from(format!("/vsizip/{}", full.display()))
 }
 
-/// Reads the file into an OGR layer named `buildings`, in memory.
-pub fn open(path: &Path, virtual_path: &Path) -> Result<(Dataset, Option<Crs>), SourceError> {
+/// A CityJSON file as OGR sees it.
+pub struct OpenedCityJson {
+    /// The layer `buildings`, in memory.
+    pub dataset: Dataset,
+    /// What the file names.
+    pub crs: Option<Crs>,
+    /// True when the file's translation was not applied.
+    pub translation_dropped: bool,
+}
+
+/// Reads the file into memory.
+pub fn open(path: &Path, virtual_path: &Path) -> Result<OpenedCityJson, SourceError> {
     let damaged = |why: String| SourceError::Read {
         path: path.to_owned(),
         why,
@@ -111,7 +121,7 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<(Dataset, Option<Crs>), 
     let text = read_text(virtual_path).map_err(damaged)?;
     let mut city: CityJson =
         serde_json::from_slice(&text).map_err(|error| damaged(format!("CityJSON: {error}")))?;
-    mend_translation(&mut city);
+    let translation_dropped = drop_wrong_translation(&mut city);
     let crs = city
         .metadata
         .reference_system
@@ -124,14 +134,18 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<(Dataset, Option<Crs>), 
             source,
         })?;
     let dataset = layer_of(&city, crs.as_ref()).map_err(|error| damaged(error.to_string()))?;
-    Ok((dataset, crs))
+    Ok(OpenedCityJson {
+        dataset,
+        crs,
+        translation_dropped,
+    })
 }
 
 /// Some writers store whole coordinates and still give a translation. The file's own extent tells: where the vertices
-/// lie in it only without the translation, that is dropped.
-fn mend_translation(city: &mut CityJson) {
+/// lie in it only without the translation, that is dropped; true when it was.
+fn drop_wrong_translation(city: &mut CityJson) -> bool {
     let (Some(quantisation), Some(extent)) = (&mut city.transform, city.metadata.extent) else {
-        return;
+        return false;
     };
     let scale = DVec3::from_array(quantisation.scale);
     let inside = |translate: DVec3| {
@@ -141,12 +155,11 @@ fn mend_translation(city: &mut CityJson) {
         });
         2 * within.count() > city.vertices.len()
     };
-    if !inside(DVec3::from_array(quantisation.translate)) && inside(DVec3::ZERO) {
-        tracing::warn!(
-            "CityJSON: the vertices lie in the file's extent only without its translation, which is dropped"
-        );
+    let wrong = !inside(DVec3::from_array(quantisation.translate)) && inside(DVec3::ZERO);
+    if wrong {
         quantisation.translate = [0.0; 3];
     }
+    wrong
 }
 
 fn read_text(path: &Path) -> Result<Vec<u8>, String> {

@@ -26,15 +26,9 @@ impl FootprintDataset {
         default_height_m: f64,
     ) -> Result<Vec<Footprint>, SourceError> {
         let mut footprints = Vec::new();
-        FootprintSource::open_footprint_dataset(path)?.read(
-            city,
-            rule,
-            default_height_m,
-            None,
-            |footprint| {
-                footprints.push(footprint);
-            },
-        )?;
+        FootprintSource::open_footprint_dataset(path)?.read(city, rule, default_height_m, |footprint| {
+            footprints.push(footprint);
+        })?;
         Ok(footprints)
     }
 }
@@ -57,8 +51,11 @@ impl FootprintDatasetWriter {
         // The GeoPackage stores when it was last changed; the same input must give the same bytes.
         gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
             .map_err(|error| write_error(gdal_says(&error)))?;
-        if path.exists() {
-            std::fs::remove_file(path).map_err(|error| write_error(error.to_string()))?;
+        // A journal that a killed import left would be played into the new file.
+        for old in [path.to_owned(), path.with_extension("gpkg-journal")] {
+            if old.exists() {
+                std::fs::remove_file(old).map_err(|error| write_error(error.to_string()))?;
+            }
         }
         let create = || -> Result<Dataset, gdal::errors::GdalError> {
             let driver = DriverManager::get_driver_by_name("GPKG")?;
@@ -138,16 +135,6 @@ impl FootprintDatasetWriter {
             .set_geometry(geometry)
             .and_then(|()| feature.create(&layer))
             .map_err(|error| self.error(error))
-    }
-
-    /// Takes buildings out again.
-    pub fn remove(&mut self, fids: &[u32]) -> Result<(), SourceError> {
-        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
-        for fid in fids {
-            // SAFETY: the layer is alive; an unknown FID is only reported.
-            unsafe { gdal_sys::OGR_L_DeleteFeature(layer.c_layer(), i64::from(*fid)) };
-        }
-        Ok(())
     }
 
     /// Commits and closes.

@@ -7,7 +7,7 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use glam::DVec2;
 
 use super::cityjson;
-use crate::source::{CrsChoice, HeightRule, SourceError, gdal_reference, gdal_says};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_reference, gdal_says};
 use crate::space::{Crs, GeoArea};
 
 /// One layer of a vector file.
@@ -20,7 +20,9 @@ pub struct FootprintSource {
     /// Lines count as outlines: CAD drawings have no areas.
     pub(super) is_cad: bool,
     pub(super) is_cityjson: bool,
-    /// Building ids: the feature's place (source files) or its FID (the footprint dataset of record).
+    /// A CityJSON's vertices lie in its own extent only without its translation, which was dropped.
+    pub translation_dropped: bool,
+    /// Building ids: the feature's FID, where the format keeps it, else its index.
     pub(super) ids_are_fids: bool,
     /// The driver ends a damaged file like a whole one; its error messages and its own count tell.
     pub(super) reads_past_damage: bool,
@@ -29,11 +31,12 @@ pub struct FootprintSource {
 impl FootprintSource {
     /// Opens a file and picks its layer: the named one, or the only one with areas.
     pub fn open(path: &Path, layer: Option<&str>, choice: &CrsChoice) -> Result<Self, SourceError> {
-        let (dataset, cityjson_crs, is_cityjson) = match cityjson::virtual_path(path) {
-            Some(virtual_path) => {
-                let (dataset, crs) = cityjson::open(path, &virtual_path)?;
-                (dataset, crs, true)
-            }
+        let city = cityjson::virtual_path(path)
+            .map(|virtual_path| cityjson::open(path, &virtual_path))
+            .transpose()?;
+        let is_cityjson = city.is_some();
+        let (dataset, cityjson_crs, translation_dropped) = match city {
+            Some(city) => (city.dataset, city.crs, city.translation_dropped),
             None => (open_vector(path)?, None, false),
         };
         let driver = dataset.driver().short_name();
@@ -52,6 +55,7 @@ impl FootprintSource {
             is_osm,
             is_cad,
             is_cityjson,
+            translation_dropped,
             ids_are_fids: false,
             reads_past_damage: ["FlatGeobuf", "ESRI Shapefile", "GPKG"].contains(&driver.as_str()),
         };
@@ -60,30 +64,38 @@ impl FootprintSource {
             Some(crs) => gdal_reference(&crs).ok(),
             None => source.layer()?.spatial_ref(),
         };
-        source.crs = choice.of_file(path, own, "--buildings-crs")?;
+        source.crs = choice.of_file(path, own, SourceRole::Footprints)?;
+        source.ids_are_fids = source.has_stable_ids();
         Ok(source)
     }
 
-    /// Opens a city's footprint dataset of record, where a building's id is its FID.
+    /// Opens a city's footprint dataset of record.
     pub fn open_footprint_dataset(path: &Path) -> Result<Self, SourceError> {
-        let mut source = Self::open(
-            path,
-            Some(super::footprint_dataset::LAYER),
-            &CrsChoice::as_the_file_says(),
-        )?;
-        source.ids_are_fids = true;
-        Ok(source)
+        let layer = Some(super::footprint_dataset::LAYER);
+        Self::open(path, layer, &CrsChoice::as_the_file_says())
     }
 
-    /// The rule to use when none was asked for: CityJSON knows the height of its own geometry.
-    pub fn default_rule(&self) -> HeightRule {
-        if self.is_cityjson {
-            HeightRule::Height {
-                field: cityjson::GEOMETRY_HEIGHT.to_owned(),
-            }
-        } else {
-            HeightRule::Default
-        }
+    /// True when the format keeps feature ids through edits, and all of them can be building ids.
+    fn has_stable_ids(&self) -> bool {
+        let keeps = ["GPKG", "PostgreSQL"].contains(&self.dataset.driver().short_name().as_str());
+        let range = || {
+            let layer = self.layer().ok()?;
+            // SAFETY: the layer is alive, and its text is copied at once.
+            let column = unsafe { std::ffi::CStr::from_ptr(gdal_sys::OGR_L_GetFIDColumn(layer.c_layer())) };
+            let [column, name] = [column.to_str().ok()?, &layer.name()].map(|name| name.replace('"', "\"\""));
+            let query = format!("SELECT MIN(\"{column}\"), MAX(\"{column}\") FROM \"{name}\"");
+            let mut result = self
+                .dataset
+                .execute_sql(query, None, gdal::vector::sql::Dialect::DEFAULT);
+            let row = result.as_mut().ok()?.as_mut()?.features().next()?;
+            Some([row.field_as_integer64(0).ok()??, row.field_as_integer64(1).ok()??])
+        };
+        keeps && range().is_some_and(|[first, last]| first >= 1 && u32::try_from(last).is_ok())
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The CRS of the file's coordinates.
@@ -126,10 +138,7 @@ impl FootprintSource {
             .layers()
             .map(|layer| (layer.name(), may_hold_areas(layer.defn())))
             .collect();
-        let names = || {
-            let list: Vec<&str> = layers.iter().map(|(name, _)| name.as_str()).collect();
-            list.join(", ")
-        };
+        let names = || layers.iter().map(|(name, _)| name.clone()).collect();
         if self.is_cad {
             // A CAD drawing is one OGR layer; its own layers are an attribute.
             if let Some(name) = wanted {
@@ -137,10 +146,11 @@ impl FootprintSource {
                 let mut layer = self.layer()?;
                 let filtered = layer.set_attribute_filter(&filter);
                 if filtered.is_err() || layer.feature_count() == 0 {
-                    return Err(self.unfit(
-                        format!("has no entities on a layer '{name}'"),
-                        format!("its layers are {}", self.cad_layers()?.join(", ")),
-                    ));
+                    return Err(SourceError::NoLayer {
+                        path: self.path.clone(),
+                        wanted: Some(name.to_owned()),
+                        layers: self.cad_layers()?,
+                    });
                 }
             }
             return Ok(());
@@ -153,24 +163,19 @@ impl FootprintSource {
                 match (areas.next(), areas.next()) {
                     (Some((index, _)), None) => Some(index),
                     (Some(_), Some(_)) => {
-                        return Err(self.unfit(
-                            format!("has several layers ({})", names()),
-                            "choose one with --layer NAME".to_owned(),
-                        ));
+                        return Err(SourceError::SeveralLayers {
+                            path: self.path.clone(),
+                            layers: names(),
+                        });
                     }
                     _ => None,
                 }
             }
         };
-        self.layer_index = choice.ok_or_else(|| match wanted {
-            Some(name) => self.unfit(
-                format!("has no layer '{name}'"),
-                format!("its layers are {}", names()),
-            ),
-            None => self.unfit(
-                format!("has no layer of areas (it has: {})", names()),
-                "give a file of building footprints (polygons)".to_owned(),
-            ),
+        self.layer_index = choice.ok_or_else(|| SourceError::NoLayer {
+            path: self.path.clone(),
+            wanted: wanted.map(str::to_owned),
+            layers: names(),
         })?;
         Ok(())
     }
@@ -185,14 +190,6 @@ impl FootprintSource {
         names.sort();
         names.dedup();
         Ok(names)
-    }
-
-    pub(super) fn unfit(&self, what: String, advice: String) -> SourceError {
-        SourceError::Unfit {
-            path: self.path.clone(),
-            what,
-            advice,
-        }
     }
 }
 

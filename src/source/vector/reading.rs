@@ -3,15 +3,16 @@
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use gdal::vector::{Defn, Feature, LayerAccess, OGRwkbGeometryType};
+use gdal::vector::{Feature, LayerAccess, OGRwkbGeometryType};
 use geo::MultiPolygon;
 use rayon::prelude::*;
 
 use super::clean::{CleanReport, clean_outline};
-use super::feature::{FieldPlace, collect_polygons, column_text};
+use super::feature::{collect_polygons, column_text};
+use super::heights::{HeightReader, ReadHeight};
 use super::outline::Outline;
 use super::{FootprintDatasetWriter, FootprintReport, FootprintSource};
-use crate::source::{Footprint, HeightRule, RoofSpec, SourceError};
+use crate::source::{Footprint, HeightRule, SourceError, SourceRole};
 use crate::space::{Crs, PointTransform};
 
 /// A cleaned outline with what was changed, or why there is none.
@@ -22,34 +23,30 @@ const BATCH: usize = 8192;
 
 /// A feature taken out of OGR's hands.
 struct Raw {
-    place: u32,
+    fid: u32,
     outline: Outline,
-    roof: Result<RoofSpec, &'static str>,
+    height: ReadHeight,
     rejected: Option<&'static str>,
 }
 
 impl FootprintSource {
-    /// Reads every feature into the city's CRS; kept ones go to `each` and, with their attributes, to `map`.
+    /// Reads every feature into the city's CRS; those that can be buildings go to `each`.
     pub fn read(
         &self,
         city: &Crs,
         rule: &HeightRule,
         default_height_m: f64,
-        mut map: Option<&mut FootprintDatasetWriter>,
         mut each: impl FnMut(Footprint),
     ) -> Result<FootprintReport, SourceError> {
         let mut layer = self.layer()?;
-        let field = self.field_place(layer.defn(), rule)?;
-        if let Some(map) = map.as_deref_mut() {
-            map.copy_fields(layer.defn())?;
-        }
+        let heights = HeightReader::new(self, layer.defn(), rule, default_height_m)?;
         let building_field = self
             .is_osm
             .then(|| layer.defn().field_index("building").ok())
             .flatten();
-        let mut report = FootprintReport::default();
+        let mut report = FootprintReport::new(rule);
         let mut seen = HashSet::new();
-        let mut place: u32 = 0;
+        let mut index: u32 = 0;
         let counted = if self.reads_past_damage {
             layer.feature_count()
         } else {
@@ -57,35 +54,29 @@ impl FootprintSource {
         };
         let mut features = layer.features();
         loop {
-            let mut batch: Vec<(Feature<'_>, Raw)> = Vec::new();
+            let mut batch: Vec<Raw> = Vec::new();
             reset_gdal_error();
             for feature in features.by_ref().take(BATCH) {
-                place += 1;
-                let id = if self.ids_are_fids {
-                    feature
-                        .fid()
-                        .and_then(|fid| u32::try_from(fid).ok())
-                        .unwrap_or(place)
-                } else {
-                    place
-                };
-                let raw = self.raw(&feature, id, rule, field, building_field);
-                batch.push((feature, raw));
+                index += 1;
+                let (outline, rejected) = self.outline(&feature, building_field);
+                batch.push(Raw {
+                    fid: self.id(&feature, index),
+                    outline,
+                    height: heights.read(&feature),
+                    rejected,
+                });
             }
-            if batch.is_empty() {
-                if let Some(why) = gdal_failure() {
-                    return Err(self.read_error(why));
-                }
-                break;
-            }
-            if self.reads_past_damage
+            if (batch.is_empty() || self.reads_past_damage)
                 && let Some(why) = gdal_failure()
             {
                 return Err(self.read_error(why));
             }
+            if batch.is_empty() {
+                break;
+            }
             report.read += batch.len() as u64;
-            let cleaned = self.clean(batch.iter().map(|(_, raw)| raw).collect(), city)?;
-            for ((feature, raw), outline) in batch.into_iter().zip(cleaned) {
+            let cleaned = self.clean(&batch, city)?;
+            for (raw, outline) in batch.into_iter().zip(cleaned) {
                 let (outline, changes) = match outline {
                     Ok(cleaned) => cleaned,
                     Err(why) => {
@@ -95,18 +86,15 @@ impl FootprintSource {
                 };
                 count_changes(&mut report, changes);
                 report.kept += 1;
+                report.unusable_height(raw.height.unusable);
                 if !seen.insert(fingerprint(&outline)) {
                     report.duplicates += 1;
                 }
-                let default = RoofSpec::HeightAboveBase(default_height_m);
-                if let Some(map) = map.as_deref_mut() {
-                    map.add(&feature, raw.place, &outline)?;
-                }
                 each(Footprint {
-                    fid: raw.place,
+                    fid: raw.fid,
                     outline,
-                    roof: raw.roof.unwrap_or(default),
-                    default_height: raw.roof.err(),
+                    roof: raw.height.roof,
+                    height_origin: raw.height.origin,
                 });
             }
         }
@@ -117,54 +105,43 @@ impl FootprintSource {
         Ok(report)
     }
 
-    fn field_place(&self, defn: &Defn, rule: &HeightRule) -> Result<Option<FieldPlace>, SourceError> {
-        let Some(name) = rule.field() else {
-            return Ok(None);
-        };
-        if let Ok(index) = defn.field_index(name) {
-            return Ok(Some(FieldPlace::Column(index)));
+    /// Writes the features that became buildings, with their attributes as they are, to a footprint dataset; `outline`
+    /// gives the building's by its id. Returns how many were written.
+    pub fn copy_to<'a>(
+        &self,
+        dataset: &mut FootprintDatasetWriter,
+        outline: impl Fn(u32) -> Option<&'a MultiPolygon<f64>>,
+    ) -> Result<u64, SourceError> {
+        let mut layer = self.layer()?;
+        dataset.copy_fields(layer.defn())?;
+        let mut written = 0;
+        for (index, feature) in (1..).zip(layer.features()) {
+            let fid = self.id(&feature, index);
+            if let Some(outline) = outline(fid) {
+                dataset.add(&feature, fid, outline)?;
+                written += 1;
+            }
         }
-        if let Ok(index) = defn.field_index("other_tags")
-            && (self.is_osm || self.ids_are_fids)
-        {
-            return Ok(Some(FieldPlace::OtherTags(index)));
-        }
-        let names: Vec<String> = defn.fields().map(|field| field.name()).collect();
-        let advice = if names.is_empty() {
-            "it has no fields at all: a shapefile needs its .dbf beside it".to_owned()
-        } else {
-            format!("its fields are {}", names.join(", "))
-        };
-        Err(self.unfit(format!("has no field '{name}'"), advice))
+        Ok(written)
     }
 
-    fn raw(
+    /// A building's id: the feature's own where the format keeps them, else its index in the source, from 1.
+    fn id(&self, feature: &Feature<'_>, index: u32) -> u32 {
+        let own = self.ids_are_fids.then(|| feature.fid()).flatten();
+        own.and_then(|fid| u32::try_from(fid).ok()).unwrap_or(index)
+    }
+
+    /// Rings as the file gives them, and why the feature cannot be a building.
+    fn outline(
         &self,
         feature: &Feature<'_>,
-        place: u32,
-        rule: &HeightRule,
-        field: Option<FieldPlace>,
         building_field: Option<usize>,
-    ) -> Raw {
-        let text = field
-            .zip(rule.field())
-            .and_then(|(field, key)| field.text(feature, key));
-        let roof = rule.roof_from_text(text.as_deref()).ok_or(match (&text, field) {
-            (_, None) => "no height field was named",
-            (None, _) => "the height is missing",
-            (Some(_), _) => "the height is zero, negative or not a number",
-        });
-        let mut raw = Raw {
-            place,
-            outline: Outline::default(),
-            roof,
-            rejected: None,
-        };
+    ) -> (Outline, Option<&'static str>) {
+        let mut outline = Outline::default();
         if let Some(index) = building_field {
             let tag = column_text(feature, index);
             if tag.is_none_or(|tag| tag == "no") {
-                raw.rejected = Some("not a building (no building tag)");
-                return raw;
+                return (outline, Some("not a building (no building tag)"));
             }
         }
         let accept = if self.is_cad {
@@ -172,24 +149,20 @@ impl FootprintSource {
         } else {
             OGRwkbGeometryType::wkbPolygon
         };
-        match feature.geometry() {
+        let rejected = match feature.geometry() {
             Some(geometry) if !geometry.is_empty() => {
-                collect_polygons(geometry, &mut raw.outline, accept);
-                if raw.outline.polygons.is_empty() {
-                    raw.rejected = Some("not an area");
-                }
+                collect_polygons(geometry, &mut outline, accept);
+                outline.polygons.is_empty().then_some("not an area")
             }
-            _ if self.is_cityjson => {
-                raw.rejected = Some("no surface of its own (parts are features of their own)")
-            }
-            _ => raw.rejected = Some("no geometry"),
-        }
-        raw
+            _ if self.is_cityjson => Some("no surface of its own (parts are features of their own)"),
+            _ => Some("no geometry"),
+        };
+        (outline, rejected)
     }
 
-    fn clean(&self, raws: Vec<&Raw>, city: &Crs) -> Result<Vec<Cleaned>, SourceError> {
+    fn clean(&self, raws: &[Raw], city: &Crs) -> Result<Vec<Cleaned>, SourceError> {
         let (from, path) = (&self.crs, &self.path);
-        raws.into_par_iter()
+        raws.par_iter()
             .with_min_len(256)
             .map_init(
                 || PointTransform::new(from, city),
@@ -199,10 +172,10 @@ impl FootprintSource {
                     }
                     match transform {
                         Ok(transform) => Ok(clean_outline(&transformed(&raw.outline, transform))),
-                        Err(error) => Err(SourceError::Unfit {
+                        Err(error) => Err(SourceError::WrongCrs {
                             path: path.clone(),
-                            what: error.to_string(),
-                            advice: "name the right CRS with --buildings-crs EPSG:n".to_owned(),
+                            role: SourceRole::Footprints,
+                            why: error.to_string(),
                         }),
                     }
                 },

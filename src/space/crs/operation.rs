@@ -93,15 +93,13 @@ impl std::fmt::Display for OperationWarning {
                 better,
             } => write!(
                 f,
-                "the transformation from {from} to {to} is {used}; one that is {} needs grids that are not installed ({}): \
-                 put them in PROJ's data folder (projsync --file NAME gets one) and import again",
+                "the transformation from {from} to {to} is {used}; one that is {} needs grids that are not installed ({})",
                 better.accuracy,
                 better.files.join(", ")
             ),
             Self::Ballpark { between: [from, to] } => write!(
                 f,
-                "no shift is known between the datums of {from} and {to}: positions may be off by metres to hundreds of metres; \
-                 check them against each other, or give the files in the city's datum"
+                "no shift is known between the datums of {from} and {to}: positions may be off by metres to hundreds of metres"
             ),
         }
     }

@@ -1,15 +1,15 @@
-//! Traces a lens's table: of many angles those are kept where the interpolation between others is worst, until it is near
+//! Traces a lens's table: of many angles those become knots where the interpolation between others is worst, until it is near
 //! enough at all.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZE, Unpacked, Values};
 use super::rays::{FlareTable, TabledGhost, between};
-use super::step::{COLOURS_UM, CURVE_UM, Light, Open, SIDE, Step, Values};
-use crate::camera::flare::grid::{RayGrid, SEARCH_RAYS};
-use crate::camera::flare::linear::{LinearGhost, stop_radius};
-use crate::camera::flare::nonlinear::{LINEAR_ENOUGH, nonlinearity};
-use crate::camera::flare::tracing::Tracing;
+use crate::camera::flare::ghost::grid::{RayGrid, SEARCH_RAYS};
+use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
+use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity};
+use crate::camera::flare::ghost::tracing::Tracing;
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
@@ -17,17 +17,17 @@ use crate::camera::rays::Bundle;
 use crate::camera::trace::{TracedRay, Tracer, beam_direction};
 use crate::gpu::GpuError;
 
-/// Angles that are traced; those are kept that the others do not tell.
+/// Angles that are traced; those become knots that the others do not tell.
 const ANGLES: usize = 41;
-/// Interpolation error that is near enough, as a share of the sensor's half diagonal.
+/// Interpolation error that is near enough, as a fraction of the sensor's half diagonal.
 const NEAR_ENOUGH: f64 = 0.006;
-/// Steps to either side over which windows are smoothed.
-const SMOOTH_STEPS: usize = 2;
-/// Departure that stands for a ghost without light.
+/// Angles to either side over which windows are smoothed.
+const SMOOTH_ANGLES: usize = 2;
+/// Nonlinearity error that stands for a ghost without light.
 const FAR_OFF: f64 = 1e3;
 
 impl FlareTable {
-    /// Traces all ghosts that depart from linear at any angle up to `max_angle` radians.
+    /// Traces all ghosts that are nonlinear at any angle up to `max_angle` radians.
     pub fn bake(lens: &Lens, f_number: f64, max_angle: f64) -> Result<Self, GpuError> {
         let ghosts = single_crossing_ghosts(lens)
             .into_par_iter()
@@ -40,7 +40,7 @@ impl FlareTable {
     }
 }
 
-/// A ghost's steps; none for one that is linear enough at all angles, or never lets light through.
+/// A ghost's knots; none for one that is linear enough at all angles, or never lets light through.
 fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Option<TabledGhost>, GpuError> {
     let optics: Vec<Optics<'_>> = (0..ANGLES)
         .map(|k| Optics::new(lens, ghost, max_angle * k as f64 / (ANGLES - 1) as f64, f_number))
@@ -62,10 +62,10 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Op
         .iter()
         .enumerate()
         .map(|(k, optics)| {
-            // Beside light, also where none comes through: its rays, all held somewhere, tell how the ghost closes.
+            // Beside light, also where none comes through: its rays, all vignetted somewhere, tell how the ghost closes.
             let is_beside = is_lit(k) || is_lit(k + 1) || k > 0 && is_lit(k - 1);
             let window = is_beside.then(|| widened(&windows, k)).flatten();
-            Ok(Step {
+            Ok(Knot {
                 angle: optics.angle,
                 nonlinearity_error: nonlinearity_errors[k].min(FAR_OFF) as f32,
                 light: window.map(|window| optics.light(window)).transpose()?,
@@ -73,7 +73,7 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Op
         })
         .collect::<Result<Vec<_>, GpuError>>()?;
     // The ends, and both sides of where light begins or ends.
-    let mut is_kept: Vec<bool> = (0..ANGLES)
+    let mut is_knot: Vec<bool> = (0..ANGLES)
         .map(|k| {
             let begins = |a: usize, b: usize| all[a].light.is_some() != all[b].light.is_some();
             k == 0 || k == ANGLES - 1 || begins(k, k + 1) || begins(k - 1, k)
@@ -84,38 +84,39 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Op
         stop_mm: optics[0].linear.stop_mm,
     };
     loop {
-        let kept: Vec<usize> = (0..ANGLES).filter(|&k| is_kept[k]).collect();
-        let steps: Vec<Step> = kept.iter().map(|&k| all[k].clone()).collect();
-        let off = |k: usize| match (&all[k].light, between(&steps, all[k].angle)) {
+        let knots_at: Vec<usize> = (0..ANGLES).filter(|&k| is_knot[k]).collect();
+        let knots: Vec<Knot> = knots_at.iter().map(|&k| all[k].clone()).collect();
+        let off = |k: usize| match (&all[k].light, between(&knots, all[k].angle)) {
             (None, None) => 0.0,
-            (Some(light), Some(guess)) => near.off(&light.open(), &guess),
+            (Some(light), Some(guess)) => near.off(&light.unpack(), &guess),
             _ => f64::INFINITY,
         };
-        let worst: Vec<usize> = kept
+        let worst: Vec<usize> = knots_at
             .windows(2)
             .filter_map(|pair| {
                 let between = (pair[0] + 1..pair[1]).map(|k| (k, off(k)));
-                let (k, most) = between.max_by(|a, b| a.1.total_cmp(&b.1))?;
-                (most > 1.0).then_some(k)
+                let (k, max) = between.max_by(|a, b| a.1.total_cmp(&b.1))?;
+                (max > 1.0).then_some(k)
             })
             .collect();
         if worst.is_empty() {
             return Ok(Some(TabledGhost {
                 first: ghost.first,
                 second: ghost.second,
-                steps,
+                knots,
             }));
         }
         for k in worst {
-            is_kept[k] = true;
+            is_knot[k] = true;
         }
     }
 }
 
-/// A window that holds the one at `k` and changes smoothly from step to step, as the rays of a grid do only if it does: the
-/// mean over some steps of the hull over some steps.
+/// A window that holds the one at `k` and changes smoothly from angle to angle, as the rays of a grid do only if it does: the
+/// mean over some angles of the hull over some angles.
 fn widened(windows: &[Option<[DVec2; 2]>], k: usize) -> Option<[DVec2; 2]> {
-    let near = |k: usize| &windows[k.saturating_sub(SMOOTH_STEPS)..(k + SMOOTH_STEPS + 1).min(windows.len())];
+    let near =
+        |k: usize| &windows[k.saturating_sub(SMOOTH_ANGLES)..(k + SMOOTH_ANGLES + 1).min(windows.len())];
     let hull = |k: usize| {
         near(k)
             .iter()
@@ -124,12 +125,12 @@ fn widened(windows: &[Option<[DVec2; 2]>], k: usize) -> Option<[DVec2; 2]> {
             .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     };
     let (from, to) = (
-        k.saturating_sub(SMOOTH_STEPS),
-        (k + SMOOTH_STEPS).min(windows.len() - 1),
+        k.saturating_sub(SMOOTH_ANGLES),
+        (k + SMOOTH_ANGLES).min(windows.len() - 1),
     );
     let hulls: Vec<[DVec2; 2]> = (from..=to).filter_map(hull).collect();
     let count = hulls.len() as f64;
-    let mean = |corner: usize| hulls.iter().map(|hull| hull[corner]).sum::<DVec2>() / count;
+    let mean = |bound: usize| hulls.iter().map(|hull| hull[bound]).sum::<DVec2>() / count;
     (!hulls.is_empty()).then(|| [mean(0), mean(1)])
 }
 
@@ -140,12 +141,12 @@ struct Nearness {
     stop_mm: f64,
 }
 
-/// Differences that are near enough, of heights relative to the barrel and of places relative to the iris.
+/// Differences that are near enough, of heights relative to the barrel and of positions relative to the iris.
 const NEAR_EDGE: f64 = 0.05;
 
 impl Nearness {
     /// Largest difference of rays that pass in either, in units of what is near enough.
-    fn off(&self, a: &Open, b: &Open) -> f64 {
+    fn off(&self, a: &Unpacked, b: &Unpacked) -> f64 {
         let stop = |values: &Values| DVec2::new(values[2], values[3]);
         let passes = |values: &Option<Values>| {
             values.is_some_and(|values| {
@@ -197,20 +198,20 @@ impl<'a> Optics<'a> {
         Ok(search.window(&self.linear))
     }
 
-    fn grid(&self, wavelength_um: f64, [low, high]: [DVec2; 2], side: usize) -> Result<RayGrid, GpuError> {
+    fn grid(&self, wavelength_um: f64, [min, max]: [DVec2; 2], size: usize) -> Result<RayGrid, GpuError> {
         let bundle = Bundle {
             ghost: Some(self.ghost),
             wavelength_um,
             angle: self.angle,
-            low,
-            high,
+            min,
+            max,
         };
-        let mut grids = Tracing::Cpu.grids(self.lens, self.sensor_gap_mm, &[bundle], side)?;
+        let mut grids = Tracing::Cpu.grids(self.lens, self.sensor_gap_mm, &[bundle], size)?;
         Ok(grids.swap_remove(0))
     }
 
     fn light(&self, window: [DVec2; 2]) -> Result<Light, GpuError> {
-        let [blue, red] = COLOURS_UM.map(|um| self.grid(um, window, SIDE));
+        let [blue, red] = COLOURS_UM.map(|um| self.grid(um, window, SIZE));
         let (mut blue, mut red) = (blue?, red?);
         let curve = self.curve(&blue);
         extend(&mut blue);
@@ -253,13 +254,13 @@ fn extend(grid: &mut RayGrid) {
     let before = grid.rays.clone();
     let at = |column: Option<usize>, row: Option<usize>| {
         let (column, row) = (column?, row?);
-        (column < SIDE && row < SIDE).then(|| before[row * SIDE + column])?
+        (column < SIZE && row < SIZE).then(|| before[row * SIZE + column])?
     };
     for (k, ray) in grid.rays.iter_mut().enumerate() {
         if ray.is_some() {
             continue;
         }
-        let (column, row) = (k % SIDE, k / SIDE);
+        let (column, row) = (k % SIZE, k / SIZE);
         let neighbours = [1, 2].map(|far: usize| {
             [
                 at(column.checked_sub(far), Some(row)),
@@ -269,8 +270,8 @@ fn extend(grid: &mut RayGrid) {
             ]
         });
         let guesses: Vec<TracedRay> = (0..4)
-            .filter_map(|side| {
-                let (near, far) = (neighbours[0][side]?, neighbours[1][side]?);
+            .filter_map(|direction| {
+                let (near, far) = (neighbours[0][direction]?, neighbours[1][direction]?);
                 Some(TracedRay {
                     stop_mm: 2.0 * near.stop_mm - far.stop_mm,
                     sensor_mm: 2.0 * near.sensor_mm - far.sensor_mm,

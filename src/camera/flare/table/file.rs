@@ -54,9 +54,9 @@ pub enum TableError {
 /// What is in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum TableFile {
-    /// Rays of the ghosts that depart from linear, by angle.
+    /// Rays of the nonlinear ghosts, by angle.
     Rays(FlareTable),
-    /// Whole images by angle and turn.
+    /// Whole images by angle and azimuth.
     Images(ImageTable),
 }
 
@@ -70,7 +70,7 @@ struct Body {
 }
 
 const FORMAT: &str = "rilievo flare table";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Most bytes of an unpacked file.
 const MAX_BYTES: u64 = 128 << 20;
 
@@ -154,8 +154,8 @@ fn optics_of(toml: &str) -> Vec<&str> {
 }
 
 impl TableFile {
-    /// What plays a light at an angle, radians: rays, images, and which images of ghosts are then still to be made. Beyond
-    /// its largest angle a table plays nothing, and all is made.
+    /// What holds a light at an angle, radians: rays, images, and which images of ghosts are then still to be made. Beyond
+    /// its largest angle a table holds nothing, and all is made.
     pub fn at(&self, angle: f64) -> (Option<&FlareTable>, Option<&ImageTable>, Pattern) {
         match self {
             Self::Rays(table) if angle <= table.max_angle() => (Some(table), None, Pattern::Whole),

@@ -1,4 +1,4 @@
-//! The table of whole images by the angle of the light, and by its turn where the aperture or the lens has no symmetry: out
+//! The table of whole images by the angle of the light, and by its azimuth where the aperture or the lens has no symmetry: out
 //! of photos of a small light (KR 10-1658883), or drawn.
 //!
 //! Radiance is for a light of irradiance 1; stored as 8-bit square roots over the part of the film that is lit.
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-/// Most pixels along an image's side.
+/// Most pixels along an image's edge.
 pub const MAX_SIDE: u32 = 1024;
 
 /// An image of the light's flare.
@@ -16,21 +16,21 @@ pub struct LightImage {
     /// Angle of the light from the axis, radians.
     pub angle: f64,
     /// Its direction in the picture, from right towards up, radians.
-    pub turn: f64,
+    pub azimuth: f64,
     /// Columns and rows.
     pub size: [u32; 2],
-    /// Corners on the film, millimetres, x right and y up.
-    pub low_mm: [f64; 2],
-    /// See `low_mm`.
-    pub high_mm: [f64; 2],
+    /// Least coordinates on the film, millimetres, x right and y up.
+    pub min_mm: [f64; 2],
+    /// Greatest coordinates.
+    pub max_mm: [f64; 2],
     /// Radiance of the brightest value.
     brightest: f32,
-    /// RGB, rows from the top: 255 · root of the share of the brightest.
+    /// RGB, rows from the top: 255 · root of the fraction of the brightest.
     #[serde(with = "serde_bytes")]
     roots: Vec<u8>,
 }
 
-/// Images by angle and turn.
+/// Images by angle and azimuth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImageTable {
     /// Whether the linear part of the flare is drawn beside the images.
@@ -40,24 +40,26 @@ pub struct ImageTable {
     images: Vec<LightImage>,
 }
 
-/// An image to lay down.
+/// An image to blend in.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluatedImage<'a> {
     /// It.
     pub image: &'a LightImage,
-    /// Share of its light.
-    pub share: f64,
-    /// To be turned by, anticlockwise, radians.
-    pub turn: f64,
+    /// Its index in the table.
+    pub index: usize,
+    /// Fraction of its light.
+    pub fraction: f64,
+    /// To be rotated by about the centre of the film, anticlockwise, radians.
+    pub rotation: f64,
 }
 
 impl LightImage {
-    /// Of linear radiance on a film that spans `half_mm` to each side, RGB, rows from the top; cut to what is lit.
-    pub fn new(angle: f64, turn: f64, radiance: &[[f32; 3]], size: [u32; 2], half_mm: [f64; 2]) -> Self {
+    /// Of linear radiance on a film that spans `half_mm` from its centre, RGB, rows from the top; cut to what is lit.
+    pub fn new(angle: f64, azimuth: f64, radiance: &[[f32; 3]], size: [u32; 2], half_mm: [f64; 2]) -> Self {
         let brightest = radiance
             .iter()
             .flatten()
-            .fold(0.0_f32, |most, &value| most.max(value));
+            .fold(0.0_f32, |max, &value| max.max(value));
         let root =
             |value: f32| (255.0 * (value.max(0.0) / brightest.max(f32::MIN_POSITIVE)).sqrt()).round() as u8;
         let [columns, rows] = size.map(|side| side as usize);
@@ -85,10 +87,10 @@ impl LightImage {
         let y_mm = |row: usize| (1.0 - 2.0 * row as f64 / rows as f64) * half_mm[1];
         Self {
             angle,
-            turn,
+            azimuth,
             size: [(last[0] - first[0]) as u32, (last[1] - first[1]) as u32],
-            low_mm: [x_mm(first[0]), y_mm(last[1])],
-            high_mm: [x_mm(last[0]), y_mm(first[1])],
+            min_mm: [x_mm(first[0]), y_mm(last[1])],
+            max_mm: [x_mm(last[0]), y_mm(first[1])],
             brightest,
             roots,
         }
@@ -103,14 +105,14 @@ impl LightImage {
 
     fn is_sound(&self) -> bool {
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
-        let numbers = [self.low_mm, self.high_mm, [self.angle, self.turn]];
+        let numbers = [self.min_mm, self.max_mm, [self.angle, self.azimuth]];
         pixels > 0
             && 3 * pixels == self.roots.len() as u64
             && self.size.iter().all(|&side| side <= MAX_SIDE)
             && self.brightest.is_finite()
             && self.brightest >= 0.0
-            && (0.0..TAU).contains(&self.turn)
-            && (0..2).all(|axis| self.low_mm[axis] < self.high_mm[axis])
+            && (0.0..TAU).contains(&self.azimuth)
+            && (0..2).all(|axis| self.min_mm[axis] < self.max_mm[axis])
             && numbers.iter().flatten().all(|number| number.is_finite())
     }
 }
@@ -119,9 +121,9 @@ impl ImageTable {
     /// Of images in any order.
     pub fn new(mut images: Vec<LightImage>, with_linear: bool, f_number: Option<f64>) -> Self {
         for image in &mut images {
-            image.turn = image.turn.rem_euclid(TAU);
+            image.azimuth = image.azimuth.rem_euclid(TAU);
         }
-        images.sort_by(|a, b| a.turn.total_cmp(&b.turn).then(a.angle.total_cmp(&b.angle)));
+        images.sort_by(|a, b| a.azimuth.total_cmp(&b.azimuth).then(a.angle.total_cmp(&b.angle)));
         Self {
             with_linear,
             f_number,
@@ -146,39 +148,41 @@ impl ImageTable {
 
     /// Whether two images are of the same angles.
     pub(super) fn repeats(&self) -> bool {
-        let same = |pair: &[LightImage]| (pair[0].turn, pair[0].angle) == (pair[1].turn, pair[1].angle);
+        let same = |pair: &[LightImage]| (pair[0].azimuth, pair[0].angle) == (pair[1].azimuth, pair[1].angle);
         self.images.windows(2).any(same)
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        let ordered = |pair: &[LightImage]| (pair[0].turn, pair[0].angle) < (pair[1].turn, pair[1].angle);
+        let ordered =
+            |pair: &[LightImage]| (pair[0].azimuth, pair[0].angle) < (pair[1].azimuth, pair[1].angle);
         !self.is_empty()
             && self.images.iter().all(LightImage::is_sound)
             && self.images.windows(2).all(ordered)
     }
 
-    /// The images that make the flare of a light, at most four: the nearest angles on both sides, at the nearest turns on both
-    /// sides where there are several, each turned the rest of the way. None beyond the largest angle.
-    pub fn evaluate(&self, angle: f64, turn: f64) -> Vec<EvaluatedImage<'_>> {
-        let columns: Vec<&[LightImage]> = self.images.chunk_by(|a, b| a.turn == b.turn).collect();
-        let turn = turn.rem_euclid(TAU);
-        // Turns on both sides, round the circle.
+    /// The images that make the flare of a light, at most four: the nearest angles on both sides, at the nearest azimuths on
+    /// both sides where there are several, each rotated by what is left. None beyond the largest angle.
+    pub fn evaluate(&self, angle: f64, azimuth: f64) -> Vec<EvaluatedImage<'_>> {
+        let columns: Vec<&[LightImage]> = self.images.chunk_by(|a, b| a.azimuth == b.azimuth).collect();
+        let azimuth = azimuth.rem_euclid(TAU);
+        // Azimuths on both sides, round the circle.
         let next = columns
             .iter()
-            .position(|column| column[0].turn.rem_euclid(TAU) > turn)
+            .position(|column| column[0].azimuth.rem_euclid(TAU) > azimuth)
             .unwrap_or(0);
         let before = (next + columns.len() - 1) % columns.len();
-        let way = |from: f64, to: f64| (to - from).rem_euclid(TAU);
-        let [low, high] = [before, next].map(|k| columns[k][0].turn.rem_euclid(TAU));
-        let span = way(low, high);
-        let share = if before == next || span <= 0.0 {
+        let from_to = |from: f64, to: f64| (to - from).rem_euclid(TAU);
+        let [from, to] = [before, next].map(|k| columns[k][0].azimuth.rem_euclid(TAU));
+        let span = from_to(from, to);
+        let fraction = if before == next || span <= 0.0 {
             0.0
         } else {
-            way(low, turn) / span
+            from_to(from, azimuth) / span
         };
         let mut evaluated = Vec::new();
-        for (column, share) in [(before, 1.0 - share), (next, share)] {
+        for (column, fraction) in [(before, 1.0 - fraction), (next, fraction)] {
             let images = columns[column];
+            let first: usize = columns[..column].iter().map(|column| column.len()).sum();
             let Some(above) = images.iter().position(|image| image.angle >= angle) else {
                 continue;
             };
@@ -189,12 +193,13 @@ impl ImageTable {
             } else {
                 1.0
             };
-            for (image, part) in [(&images[below], 1.0 - along), (&images[above], along)] {
-                if share * part > 0.0 {
+            for (k, part) in [(below, 1.0 - along), (above, along)] {
+                if fraction * part > 0.0 {
                     evaluated.push(EvaluatedImage {
-                        image,
-                        share: share * part,
-                        turn: turn - image.turn,
+                        image: &images[k],
+                        index: first + k,
+                        fraction: fraction * part,
+                        rotation: azimuth - images[k].azimuth,
                     });
                 }
             }

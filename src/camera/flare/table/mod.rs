@@ -7,12 +7,14 @@
 
 mod bake;
 mod file;
+mod image_bake;
 mod images;
 mod photos;
 mod rays;
-mod step;
+mod knot;
 
 pub use file::{TableError, TableFile, open_table, write_table};
+pub use image_bake::{ImageKnots, bake_images};
 pub use images::{ImageTable, LightImage};
 pub use photos::table_from_photos;
 pub use rays::FlareTable;

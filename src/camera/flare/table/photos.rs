@@ -90,7 +90,7 @@ pub fn table_from_photos(
     if !table.is_sound() {
         return Err(unfit(
             list,
-            "gives values that are no light; check --white".to_owned(),
+            "gives values that are no light; check the radiance of white".to_owned(),
         ));
     }
     Ok(table)

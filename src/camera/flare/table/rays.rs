@@ -1,13 +1,13 @@
 //! The table of grids of rays, and its evaluation.
 //!
-//! Between angles, colours and rays the table is interpolated; the turn round the axis is made at evaluation, as the lens is
+//! Between angles, colours and rays the table is interpolated; the rotation round the axis is made at evaluation, as the lens is
 //! symmetrical.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::step::{COLOURS_UM, CURVE_UM, Open, SIDE, STORED, Step, VALUES, Values};
-use crate::camera::flare::grid::RayGrid;
+use super::knot::{COLOURS_UM, CURVE_UM, Knot, SIZE, STORED, Unpacked, VALUES, Values};
+use crate::camera::flare::ghost::grid::RayGrid;
 use crate::camera::path::Ghost;
 use crate::camera::trace::TracedRay;
 
@@ -24,13 +24,13 @@ pub struct FlareTable {
 pub struct TabledGhost {
     pub(super) first: usize,
     pub(super) second: usize,
-    pub(super) steps: Vec<Step>,
+    pub(super) knots: Vec<Knot>,
 }
 
 /// A ghost at an angle.
 #[derive(Clone, Debug)]
 pub struct EvaluatedGhost {
-    open: Open,
+    unpacked: Unpacked,
 }
 
 impl FlareTable {
@@ -53,20 +53,20 @@ impl FlareTable {
 
     /// Largest angle, radians.
     pub fn max_angle(&self) -> f64 {
-        let last = self.ghosts.iter().filter_map(|ghost| ghost.steps.last());
-        last.map(|step| step.angle).fold(0.0, f64::max)
+        let last = self.ghosts.iter().filter_map(|ghost| ghost.knots.last());
+        last.map(|knot| knot.angle).fold(0.0, f64::max)
     }
 
-    /// Number of angles, all ghosts together.
-    pub fn steps(&self) -> usize {
-        self.ghosts.iter().map(|ghost| ghost.steps.len()).sum()
+    /// Number of knots, all ghosts together.
+    pub fn knots(&self) -> usize {
+        self.ghosts.iter().map(|ghost| ghost.knots.len()).sum()
     }
 
     /// Bytes of all grids.
     pub fn bytes(&self) -> usize {
-        let steps = self.ghosts.iter().flat_map(|ghost| &ghost.steps);
-        steps
-            .map(|step| 16 + step.light.as_ref().map_or(0, |light| light.bytes()))
+        let knots = self.ghosts.iter().flat_map(|ghost| &ghost.knots);
+        knots
+            .map(|knot| 16 + knot.light.as_ref().map_or(0, |light| light.bytes()))
             .sum()
     }
 
@@ -75,63 +75,64 @@ impl FlareTable {
         let is_number = self.f_number.is_finite() && self.f_number > 0.0;
         is_number
             && self.ghosts.iter().all(|ghost| {
-                let ordered = ghost.steps.windows(2).all(|pair| pair[0].angle < pair[1].angle);
-                let lights = ghost.steps.iter().flat_map(|step| &step.light);
-                !ghost.steps.is_empty()
+                let ordered = ghost.knots.windows(2).all(|pair| pair[0].angle < pair[1].angle);
+                let lights = ghost.knots.iter().flat_map(|knot| &knot.light);
+                !ghost.knots.is_empty()
                     && ordered
                     && ghost
-                        .steps
+                        .knots
                         .iter()
-                        .all(|step| step.angle.is_finite() && step.nonlinearity_error.is_finite())
+                        .all(|knot| knot.angle.is_finite() && knot.nonlinearity_error.is_finite())
                     && lights.into_iter().all(|light| light.is_sound())
             })
     }
 }
 
 impl TabledGhost {
-    /// Departure from linear at an angle, radians.
+    /// Nonlinearity error at an angle, radians.
     pub fn nonlinearity_error(&self, angle: f64) -> f64 {
-        let next = self.steps.iter().position(|step| step.angle >= angle);
+        let next = self.knots.iter().position(|knot| knot.angle >= angle);
         let Some(next) = next else {
             return f64::INFINITY;
         };
-        let high = &self.steps[next];
-        let low = &self.steps[next.saturating_sub(1)];
-        let share = (angle - low.angle) / (high.angle - low.angle).max(1e-12);
+        let upper = &self.knots[next];
+        let lower = &self.knots[next.saturating_sub(1)];
+        let fraction = (angle - lower.angle) / (upper.angle - lower.angle).max(1e-12);
         let (from, to) = (
-            f64::from(low.nonlinearity_error),
-            f64::from(high.nonlinearity_error),
+            f64::from(lower.nonlinearity_error),
+            f64::from(upper.nonlinearity_error),
         );
-        from + (to - from) * share.clamp(0.0, 1.0)
+        from + (to - from) * fraction.clamp(0.0, 1.0)
     }
 
     /// The ghost at an angle; none beyond the table and where no light gets through.
     pub fn at(&self, angle: f64) -> Option<EvaluatedGhost> {
-        between(&self.steps, angle).map(|open| EvaluatedGhost { open })
+        between(&self.knots, angle).map(|unpacked| EvaluatedGhost { unpacked })
     }
 }
 
-/// Grids at an angle between steps: cubic Hermite with the slopes of the parabola through each three angles; straight where
+/// Grids at an angle between knots: cubic Hermite with the slopes of the parabola through each three angles; straight where
 /// a neighbour is missing. None where either side lets no light through.
-pub fn between(steps: &[Step], angle: f64) -> Option<Open> {
-    let next = steps.iter().position(|step| step.angle >= angle)?;
-    let light = |index: Option<usize>| Some((steps.get(index?)?.angle, steps[index?].light.as_ref()?.open()));
-    if next == 0 || steps[next].angle == angle {
-        return light(Some(next)).map(|(_, open)| open);
+pub fn between(knots: &[Knot], angle: f64) -> Option<Unpacked> {
+    let next = knots.iter().position(|knot| knot.angle >= angle)?;
+    let light =
+        |index: Option<usize>| Some((knots.get(index?)?.angle, knots[index?].light.as_ref()?.unpack()));
+    if next == 0 || knots[next].angle == angle {
+        return light(Some(next)).map(|(_, unpacked)| unpacked);
     }
-    let (low, high) = (light(Some(next - 1))?, light(Some(next))?);
+    let (lower, upper) = (light(Some(next - 1))?, light(Some(next))?);
     let (before, after) = (light(next.checked_sub(2)), light(Some(next + 1)));
-    let mix = |of: &dyn Fn(&Open) -> Option<f64>| {
-        let point = |side: &(f64, Open)| Some((side.0, of(&side.1)?));
-        let outer = |side: &Option<(f64, Open)>| side.as_ref().and_then(point);
+    let mix = |of: &dyn Fn(&Unpacked) -> Option<f64>| {
+        let point = |known: &(f64, Unpacked)| Some((known.0, of(&known.1)?));
+        let outer = |known: &Option<(f64, Unpacked)>| known.as_ref().and_then(point);
         Some(hermite(
-            [outer(&before), point(&low), point(&high), outer(&after)],
+            [outer(&before), point(&lower), point(&upper), outer(&after)],
             angle,
         ))
         .flatten()
     };
-    let corner = |k: usize| {
-        let along = |axis: usize| mix(&|open: &Open| Some(open.window[k][axis]));
+    let bound = |k: usize| {
+        let along = |axis: usize| mix(&|unpacked: &Unpacked| Some(unpacked.window[k][axis]));
         Some(DVec2::new(along(0)?, along(1)?))
     };
     let rays = |colour: usize| {
@@ -139,19 +140,20 @@ pub fn between(steps: &[Step], angle: f64) -> Option<Open> {
             .map(|ray| {
                 let mut values = [0.0; VALUES];
                 for (k, value) in values.iter_mut().enumerate() {
-                    *value = mix(&|open: &Open| open.colours[colour][ray].map(|values| values[k]))?;
+                    *value =
+                        mix(&|unpacked: &Unpacked| unpacked.colours[colour][ray].map(|values| values[k]))?;
                 }
                 Some(values)
             })
             .collect()
     };
-    Some(Open {
-        window: [corner(0)?, corner(1)?],
+    Some(Unpacked {
+        window: [bound(0)?, bound(1)?],
         colours: [rays(0), rays(1)],
         curve: {
-            let mut curve = low.1.curve;
-            for (k, share) in curve.iter_mut().enumerate() {
-                *share = mix(&|open: &Open| Some(open.curve[k]))?;
+            let mut curve = lower.1.curve;
+            for (k, fraction) in curve.iter_mut().enumerate() {
+                *fraction = mix(&|unpacked: &Unpacked| Some(unpacked.curve[k]))?;
             }
             curve
         },
@@ -160,16 +162,16 @@ pub fn between(steps: &[Step], angle: f64) -> Option<Open> {
 
 /// Through the two inner points, with the outer ones' help where they are known.
 fn hermite(points: [Option<(f64, f64)>; 4], at: f64) -> Option<f64> {
-    let [before, low, high, after] = points;
-    let ((x1, y1), (x2, y2)) = (low?, high?);
+    let [before, lower, upper, after] = points;
+    let ((x1, y1), (x2, y2)) = (lower?, upper?);
     let span = x2 - x1;
     let secant = (y2 - y1) / span;
     // Slope at the point between two spans of the parabola through all three.
     let slope = |outer: Option<(f64, f64)>, x: f64, y: f64| {
         outer.map_or(secant, |(x0, y0)| {
-            let reach = (x - x0).abs();
+            let distance = (x - x0).abs();
             let other = (y - y0) / (x - x0);
-            (other * span + secant * reach) / (span + reach)
+            (other * span + secant * distance) / (span + distance)
         })
     };
     let (m1, m2) = (slope(before, x1, y1), slope(after, x2, y2));
@@ -184,54 +186,49 @@ fn hermite(points: [Option<(f64, f64)>; 4], at: f64) -> Option<f64> {
 }
 
 impl EvaluatedGhost {
-    /// Its rays in one colour, on a grid of `side` rays a side.
-    pub fn grid(&self, wavelength_um: f64, side: usize) -> RayGrid {
+    /// Its rays in one colour, on a grid of `size` x `size` rays.
+    pub fn grid(&self, wavelength_um: f64, size: usize) -> RayGrid {
         let inverse_square = |um: f64| um.powi(-2);
         let [blue, red] = COLOURS_UM.map(inverse_square);
-        let share = (inverse_square(wavelength_um) - blue) / (red - blue);
-        let coarse: Vec<Option<Values>> = (0..SIDE * SIDE)
+        let fraction = (inverse_square(wavelength_um) - blue) / (red - blue);
+        let coarse: Vec<Option<Values>> = (0..SIZE * SIZE)
             .map(|k| {
                 // The other half is this one's mirror image.
-                let (column, row) = (k % SIDE, k / SIDE);
-                let (stored, mirror) = if row < SIDE / 2 {
+                let (column, row) = (k % SIZE, k / SIZE);
+                let (stored, mirror) = if row < SIZE / 2 {
                     (row, 1.0)
                 } else {
-                    (SIDE - 1 - row, -1.0)
+                    (SIZE - 1 - row, -1.0)
                 };
-                let index = stored * SIDE + column;
-                let (a, b) = (self.open.colours[0][index]?, self.open.colours[1][index]?);
-                let mut mixed: Values = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share);
+                let index = stored * SIZE + column;
+                let (a, b) = (self.unpacked.colours[0][index]?, self.unpacked.colours[1][index]?);
+                let mut mixed: Values = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * fraction);
                 mixed[1] *= mirror;
                 mixed[3] *= mirror;
                 Some(mixed)
             })
             .collect();
-        let share = share_at(&self.open.curve, wavelength_um);
-        let side = side.max(2);
-        let rays = (0..side * side)
+        let fraction = fraction_at(&self.unpacked.curve, wavelength_um);
+        let size = size.max(2);
+        let rays = (0..size * size)
             .map(|k| {
-                let place = |index: usize| index as f64 / (side - 1) as f64 * (SIDE - 1) as f64;
-                smooth(&coarse, place(k % side), place(k / side)).map(|value| TracedRay {
+                let position = |index: usize| index as f64 / (size - 1) as f64 * (SIZE - 1) as f64;
+                smooth(&coarse, position(k % size), position(k / size)).map(|value| TracedRay {
                     sensor_mm: DVec2::new(value[0], value[1]),
                     stop_mm: DVec2::new(value[2], value[3]),
                     relative_height: value[4],
                     relative_stop: 0.0,
-                    power: value[5] * value[5] * share,
+                    power: value[5] * value[5] * fraction,
                 })
             })
             .collect();
-        let [low, high] = self.open.window;
-        RayGrid {
-            low,
-            high,
-            side,
-            rays,
-        }
+        let [min, max] = self.unpacked.window;
+        RayGrid { min, max, size, rays }
     }
 }
 
 /// The curve of colours at a wavelength, straight between its points.
-fn share_at(curve: &[f64; CURVE_UM.len()], wavelength_um: f64) -> f64 {
+fn fraction_at(curve: &[f64; CURVE_UM.len()], wavelength_um: f64) -> f64 {
     let last = CURVE_UM.len() - 2;
     let index = CURVE_UM
         .iter()
@@ -245,7 +242,7 @@ fn share_at(curve: &[f64; CURVE_UM.len()], wavelength_um: f64) -> f64 {
 /// Catmull & Rom's spline (1974) through a grid's values; straight between two where the ones beyond are missing.
 fn smooth(grid: &[Option<Values>], x: f64, y: f64) -> Option<Values> {
     let along = |at: f64, value: &dyn Fn(usize) -> Option<Values>| -> Option<Values> {
-        let index = (at.floor() as usize).min(SIDE - 2);
+        let index = (at.floor() as usize).min(SIZE - 2);
         let t = at - index as f64;
         let (p1, p2) = (value(index)?, value(index + 1)?);
         let beyond = |from: Values, to: Values| std::array::from_fn(|k| 2.0 * from[k] - to[k]);
@@ -254,7 +251,7 @@ fn smooth(grid: &[Option<Values>], x: f64, y: f64) -> Option<Values> {
             .and_then(value)
             .unwrap_or_else(|| beyond(p1, p2));
         let p3 = Some(index + 2)
-            .filter(|&k| k < SIDE)
+            .filter(|&k| k < SIZE)
             .and_then(value)
             .unwrap_or_else(|| beyond(p2, p1));
         Some(std::array::from_fn(|k| {
@@ -265,5 +262,5 @@ fn smooth(grid: &[Option<Values>], x: f64, y: f64) -> Option<Values> {
                 + (3.0 * b - a - 3.0 * c + d) * t * t * t)
         }))
     };
-    along(y, &|row| along(x, &|column| grid[row * SIDE + column]))
+    along(y, &|row| along(x, &|column| grid[row * SIZE + column]))
 }

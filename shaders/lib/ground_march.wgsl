@@ -1,0 +1,106 @@
+// Rays against the ground: the way of sunlight past hills. Twin: src/relief/ground_march.rs.
+//
+// A ray passes blocks of ground that it stays above in one read of their maximum (maximum mipmaps: Tevs, Ihrke & Seidel 2008) and
+// meets the DTM's own bilinear surface, cell by cell, in the others.
+
+// Where a ray leaves a square, metres along it. `border`: the two sides ahead, in the coordinates of `start`.
+fn leaves(border: vec2<f32>, start: vec2<f32>, ray: Ray) -> f32 {
+    let t = (border - start) * ray.inverse;
+    return min(t.x, t.y);
+}
+
+// First meeting with the bilinear surface of a cell between t0 and t1: a quadratic in t (Ramsey, Potter & Hansen 2004, "Ray
+// Bilinear Patch Intersections", for a patch over a square). `start`: the ray's start in cells from the cell's corner.
+fn meet_cell(h: vec4<f32>, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+    let d = ray.direction.xy / frame.terrain_step_m;
+    // Counted from t0, for the sake of its digits.
+    let p = start + t0 * d;
+    let slope = vec2<f32>(h.y - h.x, h.z - h.x);
+    let twist = h.x - h.y - h.z + h.w;
+    // Height of the ray above the surface: c + b s + a s², s = t - t0.
+    let c = ray.start.z + t0 * ray.direction.z + frame.eye_elevation - (h.x + dot(slope, p) + twist * p.x * p.y);
+    if c <= 0.0 { return t0; }
+    let b = ray.direction.z - dot(slope, d) - twist * (p.x * d.y + p.y * d.x);
+    let a = -twist * d.x * d.y;
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 { return FAR; }
+    // The root at which the ray goes down through the surface, without cancellation.
+    let s = 2.0 * c / (-b + sqrt(discriminant));
+    return select(FAR, t0 + s, s >= 0.0 && t0 + s <= t1);
+}
+
+// First meeting with the ground of one tile between t0 and t1, cell by cell. `start`: the ray's start, metres from the tile's corner.
+fn walk_cells(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+    let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), ray.direction.xy >= vec2<f32>(0.0));
+    var t = t0;
+    for (var i = 0u; i < MAX_STEPS; i += 1u) {
+        let cell = cell_at((start + (t + slack(t)) * ray.direction.xy) / frame.terrain_step_m);
+        let t_past = min(t1, max(leaves((vec2<f32>(cell) + lead) * frame.terrain_step_m, start, ray), t));
+        let local = start / frame.terrain_step_m - vec2<f32>(cell);
+        let met = meet_cell(cell_heights(cell, layer), local, ray, t, t_past);
+        if met < FAR { return met; }
+        t = max(t_past, t + slack(t));
+        if t >= t1 { break; }
+    }
+    return FAR;
+}
+
+// First meeting with the ground of one tile between t0 and t1.
+fn walk_ground_tile(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+    let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), ray.direction.xy >= vec2<f32>(0.0));
+    var t = t0;
+    var level = 0u;
+    for (var i = 0u; i < MAX_STEPS; i += 1u) {
+        let blocks = GROUND_BLOCKS >> level;
+        let size = frame.tile_m / f32(blocks);
+        let position = (start + (t + slack(t)) * ray.direction.xy) / size;
+        let block = clamp(vec2<i32>(floor(position)), vec2<i32>(0), vec2<i32>(blocks - 1));
+        let t_past = min(t1, max(leaves((vec2<f32>(block) + lead) * size, start, ray), t));
+        let lowest = ray.start.z + min(t * ray.direction.z, t_past * ray.direction.z) + frame.eye_elevation;
+        if lowest <= textureLoad(ground_bounds, block, layer, level).x {
+            if level > 0u {
+                level -= 1u;
+                continue;
+            }
+            let met = walk_cells(layer, start, ray, t, t_past);
+            if met < FAR { return met; }
+        } else {
+            level = min(level + 1u, GROUND_LEVELS - 1u);
+        }
+        t = max(t_past, t + slack(t));
+        if t >= t1 { break; }
+    }
+    return FAR;
+}
+
+// First meeting with the ground of any tile between t0 and t1, FAR without one.
+fn walk_ground(ray: Ray, t0: f32, t1: f32) -> f32 {
+    let forward = ray.direction.xy >= vec2<f32>(0.0);
+    let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
+    let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
+    let min_border = tile_corner(vec2<i32>(0)) - ray.start.xy;
+    let max_border = tile_corner(frame.grid) - ray.start.xy;
+    let t_in = select(max_border, min_border, forward) * ray.inverse;
+    let t_out = select(min_border, max_border, forward) * ray.inverse;
+    var t = max(t0, max(t_in.x, t_in.y));
+    var end = min(t1, min(t_out.x, t_out.y));
+    // A rising ray has passed all ground at the height of the highest.
+    let t_top = (frame.max_ground - ray.start.z) / ray.direction.z;
+    if ray.direction.z > 0.0 { end = min(end, t_top); } else { t = max(t, t_top); }
+    if t >= end { return FAR; }
+    let position = frame.eye_in_tile + ray.start.xy + t * ray.direction.xy;
+    var tile = frame.eye_tile + vec2<i32>(floor(position / frame.tile_m));
+    for (var i = 0u; i < MAX_STEPS; i += 1u) {
+        let t_border = (tile_corner(tile) + lead * frame.tile_m - ray.start.xy) * ray.inverse;
+        let t_past = min(end, min(t_border.x, t_border.y));
+        let layer = terrain_layer(tile);
+        if layer >= 0 && t_past > t {
+            let met = walk_ground_tile(u32(layer), ray.start.xy - tile_corner(tile), ray, t, t_past);
+            if met < FAR { return met; }
+        }
+        t = max(t, t_past);
+        tile += select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), t_border.x <= t_border.y);
+        if t >= end { break; }
+    }
+    return FAR;
+}

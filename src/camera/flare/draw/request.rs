@@ -1,0 +1,115 @@
+//! What flare is asked for: the lens and its setting, the light in the camera, the image.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use crate::camera::flare::{
+    Aperture, FlareParameters, FlareSource, GhostParameters, ImageTable, Pattern, StarburstParameters,
+    TableFile, Tracing,
+};
+use crate::camera::lens::Lens;
+
+/// A distant disc of light as the camera sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlareLight {
+    /// From the optical axis, radians.
+    pub angle: f64,
+    /// Direction in the image, from +x (right) towards +y (up), radians.
+    pub azimuth: f64,
+    /// Of the disc, radians.
+    pub angular_radius: f64,
+    /// On a surface facing it when nothing hides it, linear sRGB, in units of the image's radiance times steradians.
+    pub irradiance: [f64; 3],
+    /// Of the disc, 0 to 1.
+    pub visible_fraction: f64,
+}
+
+impl FlareLight {
+    /// A point of irradiance 1, wholly visible, at an angle and azimuth, radians.
+    pub fn point(angle: f64, azimuth: f64) -> Self {
+        Self {
+            angle,
+            azimuth,
+            angular_radius: 0.0,
+            irradiance: [1.0; 3],
+            visible_fraction: 1.0,
+        }
+    }
+
+    /// Angle and azimuth of a direction in the camera: x right, y up, z ahead.
+    pub fn angle_azimuth(direction: DVec3) -> [f64; 2] {
+        let aside = direction.truncate();
+        [aside.length().atan2(direction.z), aside.y.atan2(aside.x)]
+    }
+
+    /// Whether light falls on the front of the lens.
+    pub fn is_lit(&self) -> bool {
+        self.visible_fraction > 0.0 && self.angle < std::f64::consts::FRAC_PI_2
+    }
+
+    /// What is left of the irradiance.
+    pub fn visible_irradiance(&self) -> [f64; 3] {
+        self.irradiance.map(|channel| channel * self.visible_fraction)
+    }
+
+    /// Where its image lies on the sensor of a lens of a focal length, millimetres, x right and y up.
+    pub fn image_mm(&self, focal_mm: f64) -> DVec2 {
+        focal_mm * self.angle.tan() * DVec2::from_angle(self.azimuth)
+    }
+}
+
+/// What to draw. Copies are cheap.
+#[derive(Clone, Debug)]
+pub struct FlareRequest {
+    /// The lens; another one is told by its address.
+    pub lens: Arc<Lens>,
+    /// The f-number.
+    pub f_number: f64,
+    /// The iris.
+    pub aperture: Aperture,
+    /// How ghosts are made; none are drawn without.
+    pub ghosts: Option<GhostParameters>,
+    /// How the starburst is made; none is drawn without.
+    pub starburst: Option<StarburstParameters>,
+    /// Ghosts made beforehand for the same lens and f-number; another table is told by its address.
+    pub table: Option<Arc<TableFile>>,
+    /// The light.
+    pub light: FlareLight,
+    /// Half the image on the sensor, millimetres.
+    pub image_half_mm: [f64; 2],
+}
+
+impl FlareRequest {
+    /// What makes the ghosts' mesh, and the images that are drawn beside it. None where the table holds all of the flare, or
+    /// no ghosts are asked for.
+    pub(super) fn ghosts<'a>(
+        &'a self,
+        tracing: Tracing<'a>,
+    ) -> (Option<FlareParameters<'a>>, Option<&'a ImageTable>) {
+        let Some(ghosts) = self.ghosts else {
+            return (None, None);
+        };
+        let (rays, images, table_pattern) = match &self.table {
+            Some(table) => table.at(self.light.angle),
+            None => (None, None, Pattern::Whole),
+        };
+        let pattern = match table_pattern {
+            Pattern::Whole => ghosts.pattern,
+            other => other,
+        };
+        let has_mesh = images.is_none_or(|images| images.with_linear);
+        let parameters = has_mesh.then_some(FlareParameters {
+            lens: &self.lens,
+            source: FlareSource {
+                angle: self.light.angle,
+                azimuth: self.light.azimuth,
+                f_number: self.f_number,
+            },
+            ghosts: GhostParameters { pattern, ..ghosts },
+            table: rays,
+            tracing,
+        });
+        (parameters, images)
+    }
+}

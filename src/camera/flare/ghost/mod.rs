@@ -1,0 +1,26 @@
+//! Ghosts: light that two surfaces reflect, as triangles on the sensor.
+//!
+//! ```text
+//! lens, light ─▶ mesh: which image of which ghost (nonlinearity, blend)
+//!                 ├▶ linear ─▶ quad ────────────────────────┐
+//!                 └▶ tracing (CPU | GPU) or table ─▶ grid ──┴▶ vertices
+//! ```
+
+mod area;
+mod blend;
+pub(super) mod grid;
+pub(super) mod linear;
+mod mesh;
+pub(super) mod nonlinearity;
+mod parameters;
+mod quad;
+pub(super) mod tracing;
+mod vertex;
+
+pub use area::area_on_film;
+pub use blend::{Blend, Fit};
+pub use mesh::{FlareMesh, flare_mesh};
+pub use nonlinearity::nonlinearity;
+pub use parameters::{FlareMode, FlareParameters, GhostParameters, Pattern};
+pub use tracing::{Tracing, TracingDevice};
+pub use vertex::{FlareSource, FlareVertex};

@@ -1,0 +1,67 @@
+//! One tile of a city, whole: what an import writes, a reader reads, the device holds and rays walk.
+
+use std::borrow::Borrow;
+
+use glam::DVec2;
+
+use super::codec::{ImageryTile, TerrainTile};
+use crate::buildings::{BuildingMap, MapTile};
+use crate::space::{TileGrid, TileId};
+use crate::terrain::HeightTile;
+
+/// All layers of one tile of level 0.
+#[derive(Clone, Debug)]
+pub struct Tile {
+    /// Which.
+    pub id: TileId,
+    /// Heights and the triangles that carry them; none where the city has no ground.
+    pub terrain: Option<TerrainTile>,
+    /// Building map and pyramid; none where no building stands.
+    pub buildings: Option<MapTile>,
+    /// Orthophoto; none where there is none.
+    pub imagery: Option<ImageryTile>,
+    /// Lowest ground or base and highest ground or roof, metres; empty (infinite) without either.
+    pub height_range: [f32; 2],
+}
+
+impl Tile {
+    /// Puts the layers together: the one place where a tile's bounds and its pyramid are made.
+    pub fn new(
+        id: TileId,
+        terrain: Option<TerrainTile>,
+        map: Option<BuildingMap>,
+        imagery: Option<ImageryTile>,
+    ) -> Self {
+        let ground = terrain.as_ref().and_then(|terrain| terrain.ground.range());
+        let buildings = map.map(|map| MapTile::new(map, ground.map(|[lowest, _]| lowest)));
+        let [mut min, mut max] = ground.unwrap_or([f32::INFINITY, f32::NEG_INFINITY]);
+        if let Some(MapTile { pyramid, .. }) = &buildings {
+            (min, max) = (min.min(pyramid.low()), max.max(pyramid.top()));
+        }
+        Self {
+            id,
+            terrain,
+            buildings,
+            imagery,
+            height_range: [min, max],
+        }
+    }
+
+    /// True without any layer.
+    pub fn is_empty(&self) -> bool {
+        self.terrain.is_none() && self.buildings.is_none() && self.imagery.is_none()
+    }
+}
+
+/// Ground at a point of the city, metres: point, then tile, then height. `heights` gives a tile's; none without ground.
+pub fn ground_at<H: Borrow<HeightTile>, E>(
+    grid: &TileGrid,
+    point: DVec2,
+    heights: impl FnOnce(TileId) -> Result<Option<H>, E>,
+) -> Result<Option<f64>, E> {
+    let Some(id) = grid.tile_at(point) else {
+        return Ok(None);
+    };
+    let local = point - grid.origin(id);
+    Ok(heights(id)?.and_then(|tile| tile.borrow().ground(local.x, local.y)))
+}

@@ -1,0 +1,75 @@
+//! `rilievo fly`: the window.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+use super::CommandError;
+use super::camera_flags::CameraFlags;
+use crate::city::City;
+use crate::space::Pose;
+use crate::viewer::{Clock, ViewerOptions, run as run_viewer};
+
+/// Flags of `fly`.
+#[derive(Debug, clap::Args)]
+pub struct FlyArgs {
+    /// The city folder.
+    city: PathBuf,
+    /// Eye: easting, northing, height in the city's CRS, metres [default: a view of the whole city].
+    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, requires = "look")]
+    eye: Option<DVec3>,
+    /// A point to look at: easting, northing, height.
+    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, requires = "eye")]
+    look: Option<DVec3>,
+    #[command(flatten)]
+    camera: CameraFlags,
+    /// Window size, pixels.
+    #[arg(long, default_value = "1280x720", value_parser = super::values::size)]
+    size: [u32; 2],
+    /// Date and time for the sun, like 2026-06-21T19:40:00+02:00 [default: four in the afternoon of midsummer].
+    #[arg(long)]
+    time: Option<String>,
+    /// Folder for the images that the key P saves.
+    #[arg(long, default_value = ".")]
+    images: PathBuf,
+    /// Write a line of JSON for every frame: pose, size, samples, milliseconds.
+    #[arg(long)]
+    journal: Option<PathBuf>,
+}
+
+/// Opens the window; returns when it is closed.
+pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
+    if let Some(path) = &args.journal {
+        super::values::require_folder(path)?;
+    }
+    let city = City::open(&args.city)?;
+    let pose = args
+        .eye
+        .zip(args.look)
+        .map(|(eye, target)| Pose::looking_at(eye, target));
+    // The optics do not depend on where the camera is.
+    let anywhere = Pose::looking_along(DVec3::ZERO, DVec3::Y);
+    let camera = args.camera.camera(pose.unwrap_or(anywhere), args.size)?;
+    let place = city.manifest().place;
+    let clock = match &args.time {
+        Some(text) => {
+            let wrong = |error: jiff::Error| CommandError::Argument(format!("--time {text}: {error}"));
+            let instant: jiff::Timestamp = text.parse().map_err(wrong)?;
+            let offset = jiff::fmt::temporal::Pieces::parse(text)
+                .map_err(wrong)?
+                .to_numeric_offset();
+            Clock::new(place, instant, offset)
+        }
+        None => Clock::midsummer_afternoon(place),
+    };
+    Ok(run_viewer(ViewerOptions {
+        flare: args.camera.flare(&camera)?,
+        optics: camera.optics,
+        city,
+        pose,
+        clock,
+        size: args.size,
+        image_folder: args.images.clone(),
+        journal: args.journal.clone(),
+    })?)
+}

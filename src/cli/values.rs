@@ -1,0 +1,63 @@
+//! How values are written on the command line: points, sizes, angles.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::CommandError;
+
+/// `E,N,H`.
+pub fn point(text: &str) -> Result<DVec3, String> {
+    match numbers(text, ',').as_deref() {
+        Some(&[east, north, height]) => Ok(DVec3::new(east, north, height)),
+        _ => Err("give three numbers: easting,northing,height".to_owned()),
+    }
+}
+
+/// Degrees of a field of view.
+pub fn field_of_view(text: &str) -> Result<f64, String> {
+    let degrees: f64 = text.parse().map_err(|_| "give degrees".to_owned())?;
+    if (0.1..=170.0).contains(&degrees) {
+        Ok(degrees)
+    } else {
+        Err("give 0.1 to 170 degrees".to_owned())
+    }
+}
+
+/// `WxH`, pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides: Option<Vec<u32>> = text.split('x').map(|side| side.parse().ok()).collect();
+    match sides.as_deref() {
+        Some(&[width, height]) if (1..=8192).contains(&width) && (1..=8192).contains(&height) => {
+            Ok([width, height])
+        }
+        _ => Err("give a size like 1280x720, each side 1 to 8192".to_owned()),
+    }
+}
+
+/// `WxH`, millimetres of a sensor.
+pub fn sensor(text: &str) -> Result<[f64; 2], String> {
+    match numbers(text, 'x').as_deref() {
+        Some(&[width, height]) if [width, height].iter().all(|side| (0.1..=1000.0).contains(side)) => {
+            Ok([width, height])
+        }
+        _ => Err("give width and height in millimetres, such as 36x24".to_owned()),
+    }
+}
+
+fn numbers(text: &str, separator: char) -> Option<Vec<f64>> {
+    let number = |part: &str| part.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    text.split(separator).map(number).collect()
+}
+
+/// Fails before the long work when the result could not be written after it.
+pub fn require_folder(path: &Path) -> Result<(), CommandError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_none_or(Path::is_dir) {
+        return Ok(());
+    }
+    Err(CommandError::File {
+        path: path.display().to_string(),
+        why: "its folder does not exist; make it first".to_owned(),
+    })
+}

@@ -1,0 +1,62 @@
+//! A still image in memory: many samples, read back.
+
+use super::{FrameRequest, RenderError, Renderer};
+use crate::gpu::{PassTimes, read_texture};
+use crate::relief::FAR;
+
+/// An image in memory, rows from the top.
+pub struct Still {
+    /// 8-bit sRGB.
+    pub rgba: Vec<u8>,
+    /// Metres along the view ray of the pixel's centre, NaN = sky.
+    pub depth: Vec<f32>,
+    /// Building ids at the pixel's centre, 0 = ground or sky.
+    pub ids: Vec<u32>,
+    /// GPU milliseconds of the last sample's passes, where the device can time.
+    pub pass_times: Option<PassTimes>,
+}
+
+impl Renderer {
+    /// Draws `samples` samples and reads the image back. Depth and ids are those of the pixel centre, whatever the number.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn still(&mut self, request: &FrameRequest<'_>, samples: u32) -> Result<Still, RenderError> {
+        let last = samples.max(1) - 1;
+        let mut centre = None;
+        for sample in 0..last {
+            self.add_sample(request, sample)?;
+            if sample == 0 {
+                centre = Some(self.read_surfaces()?);
+            }
+        }
+        self.frame(request, last)?;
+        self.gpu.wait()?;
+        let (depth, ids) = match centre {
+            Some(centre) => centre,
+            None => self.read_surfaces()?,
+        };
+        let rgba = match self.image() {
+            Some(image) => read_texture(&self.gpu, &image.texture)?,
+            None => Vec::new(),
+        };
+        Ok(Still {
+            rgba,
+            depth,
+            ids,
+            pass_times: self.pass_times()?,
+        })
+    }
+
+    /// Depth and ids of the last sample.
+    fn read_surfaces(&self) -> Result<(Vec<f32>, Vec<u32>), RenderError> {
+        let Some(targets) = self.relief_targets() else {
+            return Ok((Vec::new(), Vec::new()));
+        };
+        let mut depth = read_texture::<f32>(&self.gpu, &targets.distance.texture)?;
+        for t in depth.iter_mut().filter(|t| **t >= FAR) {
+            *t = f32::NAN;
+        }
+        Ok((depth, read_texture(&self.gpu, &targets.id.texture)?))
+    }
+}

@@ -1,0 +1,34 @@
+//! What the relief's shaders share with Rust: the prelude of every one of them.
+
+use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS};
+use crate::gpu::{Constant, ConstantValue};
+use crate::terrain::GroundBounds;
+
+/// Metres along a ray that meets nothing.
+pub const FAR: f32 = 3.0e38;
+/// Side of the block of pixels that a cone goes round.
+pub const CONE_PIXELS: u32 = 8;
+/// More steps than any walk needs; a guard against endless loops, not a limit on quality.
+pub const MAX_STEPS: u32 = 8192;
+/// Rounding of a hit's position along the ray: metres, and metres a metre.
+pub const SLACK: [f32; 2] = [1e-3, 2e-6];
+
+/// Name and value of each.
+pub const CONSTANTS: &[Constant] = &[
+    ("FAR", ConstantValue::Float(FAR)),
+    ("CONE_PIXELS", ConstantValue::Int(CONE_PIXELS as i32)),
+    ("MAX_STEPS", ConstantValue::Uint(MAX_STEPS)),
+    ("SLACK", ConstantValue::Float2(SLACK)),
+    ("REFERENCE", ConstantValue::Float2(BuildingMap::REFERENCE)),
+    ("PYRAMID_STEPS", ConstantValue::Float(PYRAMID_STEPS)),
+    ("KIND_SHIFT", ConstantValue::Uint(CELL.kind_shift)),
+    ("KIND_RUN", ConstantValue::Uint(CELL.run)),
+    ("KIND_LIST", ConstantValue::Uint(CELL.list)),
+    ("INSIDE_BIT", ConstantValue::Uint(CELL.inside_bit)),
+    ("MORE_BIT", ConstantValue::Uint(CELL.more_bit)),
+    ("EDGES_SHIFT", ConstantValue::Uint(CELL.edges_shift)),
+    ("EDGES_MASK", ConstantValue::Uint(CELL.edges_mask)),
+    ("INDEX_MASK", ConstantValue::Uint(CELL.index_mask)),
+    ("GROUND_BLOCKS", ConstantValue::Int(GroundBounds::BLOCKS as i32)),
+    ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
+];

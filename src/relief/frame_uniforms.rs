@@ -1,0 +1,79 @@
+//! One frame's uniforms; layout of `Frame` in `shaders/lib/frame.wgsl` (a test compares the two).
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Mat4, Vec4};
+
+use super::GridPosition;
+use crate::buildings::Pyramid;
+use crate::scene::Resident;
+use crate::space::{Projection, Sun};
+
+/// See `shaders/lib/frame.wgsl`, where each field is explained.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs)]
+pub struct FrameUniforms {
+    pub clip_from_eye_relative: Mat4,
+    pub forward: Vec4,
+    pub across: Vec4,
+    pub upward: Vec4,
+    pub sun: Vec4,
+    pub sun_irradiance: Vec4,
+    pub eye_in_tile: [f32; 2],
+    pub eye_elevation: f32,
+    pub tile_m: f32,
+    pub eye_tile: [i32; 2],
+    pub grid: [i32; 2],
+    pub size: [f32; 2],
+    pub jitter: [f32; 2],
+    pub texel_m: f32,
+    pub top_level: u32,
+    pub max_roof: f32,
+    pub min_ground: f32,
+    pub terrain_step_m: f32,
+    pub terrain_side: u32,
+    pub sample: u32,
+    pub pixel_angle: f32,
+    pub imagery_side: f32,
+    pub pyramid_width: u32,
+    pub max_ground: f32,
+    pub padding: u32,
+}
+
+impl FrameUniforms {
+    /// Uniforms of one sample of one view. All differences of large coordinates are taken in f64 here.
+    pub fn new(resident: &Resident, projection: &Projection, sun: &Sun, sample: u32) -> Self {
+        let grid = &resident.tiles.grid;
+        let pose = &projection.pose;
+        let eye = GridPosition::new(grid, pose.eye);
+        let tan = projection.tan_half_fov();
+        let vector = |v: DVec3, w: f64| v.as_vec3().extend(w as f32);
+        Self {
+            clip_from_eye_relative: projection.clip_from_eye_relative(),
+            forward: vector(pose.forward, 0.0),
+            across: vector(pose.right * tan.x, 0.0),
+            upward: vector(pose.up * tan.y, 0.0),
+            sun: vector(sun.to_sun, sun.angular_radius),
+            sun_irradiance: vector(sun.irradiance, 0.0),
+            eye_in_tile: eye.in_tile.to_array(),
+            eye_elevation: eye.elevation,
+            tile_m: grid.tile_m as f32,
+            eye_tile: eye.tile.to_array(),
+            grid: [grid.columns as i32, grid.rows as i32],
+            size: projection.size.map(|count| count as f32),
+            jitter: projection.jitter.as_vec2().to_array(),
+            texel_m: resident.texel_m as f32,
+            top_level: resident.tile_texels.ilog2(),
+            max_roof: resident.tiles.max_roof - eye.elevation,
+            min_ground: resident.tiles.min_ground - eye.elevation,
+            terrain_step_m: resident.terrain_step_m as f32,
+            terrain_side: resident.terrain_side,
+            sample,
+            pixel_angle: (2.0 * tan.y / f64::from(projection.size[1])) as f32,
+            imagery_side: resident.imagery.side as f32,
+            pyramid_width: Pyramid::image_size(resident.tile_texels as usize)[0] as u32,
+            max_ground: resident.tiles.max_ground - eye.elevation,
+            padding: 0,
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Lights the surfaces that the ground and relief passes found.
+
+use wgpu::TextureSampleType::Uint;
+
+use super::context::{PassContext, pass_number};
+use super::shaders::SHADE;
+use super::targets::{FAR_COLOR, ReliefTargets};
+use crate::gpu::{
+    FILTERED, FLOAT, Gpu, PipelineParameters, SAMPLER, color_target, shader_module, texture, texture_array,
+};
+use crate::scene::ImageryTiles;
+
+/// The pipeline.
+pub struct ShadePass {
+    pipeline: wgpu::RenderPipeline,
+    sampler: wgpu::Sampler,
+    input_layout: wgpu::BindGroupLayout,
+    input: Option<wgpu::BindGroup>,
+}
+
+impl ShadePass {
+    /// Group 2: the ground's distance and normal, the relief's surface, imagery and its sampler.
+    pub const INPUT: [wgpu::BindingType; 5] = [
+        texture(FLOAT),
+        texture(Uint),
+        texture(Uint),
+        texture_array(FILTERED),
+        SAMPLER,
+    ];
+
+    /// For the layouts of groups 0 and 1.
+    pub fn new(gpu: &Gpu, [frame, city]: [&wgpu::BindGroupLayout; 2]) -> Self {
+        let module = shader_module(gpu, &SHADE);
+        let input_layout = gpu.layout("shade input", &Self::INPUT);
+        let targets = [
+            color_target(wgpu::TextureFormat::Rgba16Float),
+            color_target(wgpu::TextureFormat::R32Float),
+            color_target(wgpu::TextureFormat::R32Uint),
+        ];
+        let layouts = [frame, city, &input_layout];
+        Self {
+            pipeline: gpu.pipeline(&PipelineParameters::fullscreen(
+                "shade", &module, &layouts, &targets,
+            )),
+            sampler: gpu.linear_sampler("imagery", true),
+            input_layout,
+            input: None,
+        }
+    }
+
+    /// Binds the targets of a new size.
+    pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets, imagery: &ImageryTiles) {
+        let resources = [
+            targets.ground_distance.binding(),
+            targets.ground_normal.binding(),
+            targets.relief.binding(),
+            wgpu::BindingResource::TextureView(&imagery.array.view),
+            wgpu::BindingResource::Sampler(&self.sampler),
+        ];
+        self.input = Some(gpu.group("shade input", &self.input_layout, &resources));
+    }
+
+    /// Encodes the pass.
+    pub fn encode(&self, context: &mut PassContext<'_>) {
+        let targets = context.targets;
+        let mut pass = context.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shade"),
+            color_attachments: &[
+                targets.radiance.cleared(wgpu::Color::BLACK),
+                targets.distance.cleared(FAR_COLOR),
+                targets.id.cleared(wgpu::Color::TRANSPARENT),
+            ],
+            timestamp_writes: context.timer.pass(pass_number::LIGHT),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, context.frame, &[]);
+        pass.set_bind_group(1, context.city, &[]);
+        pass.set_bind_group(2, self.input.as_ref(), &[]);
+        pass.draw(0..3, 0..1);
+    }
+}

@@ -1,0 +1,424 @@
+//! The window's events, and what each does.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::{DVec2, DVec3};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::{KeyCode, PhysicalKey};
+use winit::window::{Window, WindowId};
+
+use super::journal::{FrameRecord, Journal};
+use super::panel::{PanelInfo, panel};
+use super::scene_state::{SceneState, first_pose, lenses};
+use super::screen::Screen;
+use super::{Clock, Cursor, Navigator, Pace, ViewerError};
+use crate::camera::Optics;
+use crate::camera::lens::Lens;
+use crate::city::City;
+use crate::gpu::{Gpu, read_texture};
+use crate::output::{FlareSettings, FrameRequest, RenderError, Renderer, write_png};
+use crate::relief::ReliefMode;
+use crate::scene::TerrainMesh;
+use crate::space::{Pose, Projection};
+
+/// What the window begins with.
+pub struct ViewerOptions {
+    /// The city.
+    pub city: City,
+    /// The first view; without one, a view of the whole city.
+    pub pose: Option<Pose>,
+    /// What makes the image.
+    pub optics: Optics,
+    /// What the lens adds.
+    pub flare: Option<FlareSettings>,
+    /// Date and time.
+    pub clock: Clock,
+    /// Pixels of the window.
+    pub size: [u32; 2],
+    /// Where images are saved.
+    pub image_folder: PathBuf,
+    /// A journal of the frames.
+    pub journal: Option<PathBuf>,
+}
+
+/// Opens the window; returns when it is closed.
+///
+/// # Errors
+/// When there is no display, or the device cannot draw the city.
+pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
+    let journal = options.journal.as_deref().map(Journal::create).transpose()?;
+    let no_window = |why: String| ViewerError::NoWindow { why };
+    let events = EventLoop::new().map_err(|error| no_window(error.to_string()))?;
+    let mut app = App {
+        started: Instant::now(),
+        options,
+        journal,
+        running: None,
+        failure: None,
+    };
+    events
+        .run_app(&mut app)
+        .map_err(|error| no_window(error.to_string()))?;
+    app.failure.map_or(Ok(()), Err)
+}
+
+struct App {
+    started: Instant,
+    options: ViewerOptions,
+    journal: Option<Journal>,
+    running: Option<Running>,
+    failure: Option<ViewerError>,
+}
+
+/// An open window on a loaded city.
+struct Running {
+    screen: Screen,
+    renderer: Renderer,
+    state: SceneState,
+    lenses: Vec<Arc<Lens>>,
+    pace: Pace,
+    keys: Vec<KeyCode>,
+    cursor: DVec2,
+    frame_ms: f64,
+    last_frame: Instant,
+    message: String,
+    shows_panel: bool,
+    saves_image: bool,
+}
+
+impl App {
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<Running, ViewerError> {
+        let no_window = |why: String| ViewerError::NoWindow { why };
+        let [width, height] = self.options.size;
+        let attributes = Window::default_attributes()
+            .with_title(format!("{} - Rilievo", self.options.city.manifest().name))
+            .with_inner_size(PhysicalSize::new(width, height));
+        let window = events
+            .create_window(attributes)
+            .map_err(|error| no_window(error.to_string()))?;
+        let window = Arc::new(window);
+        let (gpu, surface, configuration) =
+            Gpu::open_for_window(Arc::clone(&window)).map_err(RenderError::from)?;
+        let screen = Screen::new(&gpu, window, surface, configuration);
+        let renderer = Renderer::open(gpu, &self.options.city, TerrainMesh::Tin)?;
+        let tiles = &renderer.resident.tiles;
+        let pose = self.options.pose.unwrap_or_else(|| first_pose(tiles));
+        let state = SceneState {
+            navigator: Navigator::new(tiles, pose),
+            optics: self.options.optics.clone(),
+            flare: self.options.flare.clone(),
+            sun: self.options.clock.sun()?,
+            clock: self.options.clock.clone(),
+            exposure_stops: 0.0,
+        };
+        screen.window.request_redraw();
+        Ok(Running {
+            screen,
+            renderer,
+            state,
+            lenses: lenses(),
+            pace: Pace::default(),
+            keys: Vec::new(),
+            cursor: DVec2::ZERO,
+            frame_ms: 0.0,
+            last_frame: Instant::now(),
+            message: String::new(),
+            shows_panel: true,
+            saves_image: false,
+        })
+    }
+
+    fn fail(&mut self, events: &ActiveEventLoop, error: ViewerError) {
+        self.failure = Some(error);
+        events.exit();
+    }
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.running.is_some() {
+            return;
+        }
+        match self.open(events) {
+            Ok(running) => self.running = Some(running),
+            Err(error) => self.fail(events, error),
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(running) = &mut self.running else { return };
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::RedrawRequested => {
+                let name = &self.options.city.manifest().name;
+                let drawn = running.draw(name, &self.options.image_folder);
+                let written = drawn.and_then(|is_new| match &mut self.journal {
+                    Some(journal) if is_new => journal.write(&running.record(self.started)),
+                    _ => Ok(()),
+                });
+                if let Err(error) = written {
+                    self.fail(events, error);
+                }
+            }
+            event => {
+                if running.on_event(&event) {
+                    events.exit();
+                }
+            }
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let Some(running) = &mut self.running else { return };
+        if running.wants_frame() {
+            running.screen.window.request_redraw();
+        }
+        events.set_control_flow(ControlFlow::Wait);
+    }
+}
+
+impl Running {
+    fn projection(&self) -> Projection {
+        self.state.projection(self.screen.size())
+    }
+
+    fn wants_frame(&mut self) -> bool {
+        !self.keys.is_empty() || self.saves_image || self.pace.next(Instant::now()).is_some()
+    }
+
+    fn moved(&mut self) {
+        self.pace.moved(Instant::now());
+        self.screen.window.request_redraw();
+    }
+
+    /// Everything but drawing and closing; true when the window is to be closed.
+    fn on_event(&mut self, event: &WindowEvent) -> bool {
+        let is_taken = self.screen.on_event(event);
+        self.screen.window.request_redraw();
+        let tiles = &self.renderer.resident.tiles;
+        match event {
+            WindowEvent::Resized(size) => {
+                self.screen.resize(&self.renderer.gpu, [size.width, size.height]);
+                self.moved();
+            }
+            WindowEvent::CursorMoved { position, .. } => {
+                self.cursor = DVec2::new(position.x, position.y);
+                if self.state.navigator.is_dragging() {
+                    let projection = self.state.projection(self.screen.size());
+                    let cursor = Cursor {
+                        projection: &projection,
+                        position: self.cursor,
+                    };
+                    if self.state.navigator.drag(tiles, cursor) {
+                        self.moved();
+                    }
+                }
+            }
+            WindowEvent::MouseInput {
+                state: ElementState::Released,
+                ..
+            } => self.state.navigator.end_drag(),
+            WindowEvent::MouseInput { button, .. } if !is_taken => {
+                let projection = self.projection();
+                let cursor = Cursor {
+                    projection: &projection,
+                    position: self.cursor,
+                };
+                match button {
+                    MouseButton::Left => self.state.navigator.begin_pan(tiles, cursor),
+                    MouseButton::Right => self.state.navigator.begin_orbit(tiles, cursor),
+                    _ => {}
+                }
+            }
+            WindowEvent::MouseWheel { delta, .. } if !is_taken => {
+                // A step of a wheel is some 40 pixels of a touchpad.
+                let steps = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / 40.0,
+                };
+                let projection = self.projection();
+                let cursor = Cursor {
+                    projection: &projection,
+                    position: self.cursor,
+                };
+                if self.state.navigator.zoom(tiles, cursor, steps) {
+                    self.moved();
+                }
+            }
+            WindowEvent::Focused(false) => self.keys.clear(),
+            WindowEvent::KeyboardInput { event, .. } => {
+                let PhysicalKey::Code(key) = event.physical_key else {
+                    return false;
+                };
+                let is_pressed = event.state == ElementState::Pressed;
+                self.keys.retain(|&held| held != key);
+                if is_pressed && !self.screen.egui.egui_wants_keyboard_input() {
+                    if is_flight_key(key) {
+                        self.keys.push(key);
+                    } else if !event.repeat {
+                        return self.on_key(key);
+                    }
+                }
+            }
+            _ => {}
+        }
+        false
+    }
+
+    /// A key that does something once; true for the one that closes the window.
+    fn on_key(&mut self, key: KeyCode) -> bool {
+        match key {
+            KeyCode::Escape => return true,
+            KeyCode::KeyP => self.saves_image = true,
+            KeyCode::Tab => self.shows_panel = !self.shows_panel,
+            KeyCode::KeyN => {
+                let pose = &mut self.state.navigator.pose;
+                let level = pose.forward.truncate().length();
+                *pose = Pose::looking_along(pose.eye, DVec3::new(0.0, level, pose.forward.z));
+                self.moved();
+            }
+            _ => {}
+        }
+        false
+    }
+
+    /// Moves by the keys held since the last frame.
+    fn fly(&mut self, seconds: f64) {
+        let held = |key: KeyCode| f64::from(u8::from(self.keys.contains(&key)));
+        let wish = DVec3::new(
+            held(KeyCode::KeyD) - held(KeyCode::KeyA),
+            held(KeyCode::KeyE) - held(KeyCode::KeyQ),
+            held(KeyCode::KeyW) - held(KeyCode::KeyS),
+        );
+        let is_fast = self.keys.contains(&KeyCode::ShiftLeft) || self.keys.contains(&KeyCode::ShiftRight);
+        let tiles = &self.renderer.resident.tiles;
+        if self.state.navigator.fly(tiles, wish, is_fast, seconds) {
+            self.pace.moved(Instant::now());
+        }
+    }
+
+    /// Draws the next frame, if one is wanted, and the screen. True when a frame was drawn.
+    fn draw(&mut self, city: &str, image_folder: &std::path::Path) -> Result<bool, ViewerError> {
+        let now = Instant::now();
+        // A pause is no flight.
+        let seconds = now.duration_since(self.last_frame).as_secs_f64().min(0.25);
+        self.last_frame = now;
+        self.fly(seconds);
+        let step = self.pace.next(now);
+        if let Some(step) = step {
+            let size = self
+                .screen
+                .size()
+                .map(|side| ((f64::from(side) * step.scale).round() as u32).max(1));
+            let camera = self.state.camera();
+            let request = FrameRequest {
+                camera: &camera,
+                sun: &self.state.sun,
+                size,
+                mode: ReliefMode::Exact,
+                flare: self.state.flare.as_ref(),
+                exposure: self.state.exposure_stops.exp2(),
+            };
+            self.renderer.frame(&request, step.sample)?;
+            self.renderer.gpu.wait().map_err(RenderError::from)?;
+            let took = now.elapsed();
+            self.frame_ms = took.as_secs_f64() * 1e3;
+            self.pace.drawn(step, took, Instant::now());
+        }
+        if self.saves_image && self.pace.is_full() {
+            self.saves_image = false;
+            self.message = self.save_image(city, image_folder)?;
+        }
+        self.draw_screen(city)?;
+        Ok(step.is_some())
+    }
+
+    fn draw_screen(&mut self, city: &str) -> Result<(), ViewerError> {
+        let Self {
+            screen,
+            renderer,
+            state,
+            ..
+        } = self;
+        let Some(view) = renderer.display_view() else {
+            return Ok(());
+        };
+        let info = PanelInfo {
+            city,
+            device: &renderer.gpu.adapter_name,
+            frame_ms: self.frame_ms,
+            frame: renderer.size(),
+            samples: self.pace.samples(),
+            message: &self.message,
+            lenses: &self.lenses,
+        };
+        let mut changed = false;
+        let shows_panel = self.shows_panel;
+        screen.draw(&renderer.gpu, view, renderer.size(), |context| {
+            if shows_panel {
+                egui::Window::new(info.city)
+                    .anchor(egui::Align2::LEFT_TOP, [12.0, 12.0])
+                    .resizable(false)
+                    .show(context, |ui| changed |= panel(ui, state, &info));
+            }
+        });
+        if changed {
+            state.sun = state.clock.sun()?;
+            self.moved();
+        }
+        Ok(())
+    }
+
+    /// Writes the image as it is; what to say of it.
+    fn save_image(&self, city: &str, folder: &std::path::Path) -> Result<String, ViewerError> {
+        let Some(image) = self.renderer.image() else {
+            return Ok(String::new());
+        };
+        let rgba = read_texture(&self.renderer.gpu, &image.texture).map_err(RenderError::from)?;
+        let free = (1..10_000)
+            .map(|k| folder.join(format!("{city}-{k:03}.png")))
+            .find(|path| !path.exists());
+        let Some(path) = free else {
+            return Ok(format!("{}: is full of images", folder.display()));
+        };
+        Ok(match write_png(&path, self.renderer.size(), &rgba) {
+            Ok(()) => format!("saved {}", path.display()),
+            Err(error) => error.to_string(),
+        })
+    }
+
+    fn record(&self, started: Instant) -> FrameRecord {
+        let camera = self.state.camera();
+        FrameRecord {
+            time_s: started.elapsed().as_secs_f64(),
+            eye: camera.pose.eye.to_array(),
+            forward: camera.pose.forward.to_array(),
+            fov_y: camera.fov_y(self.screen.size()),
+            window: self.screen.size(),
+            frame: self.renderer.size(),
+            samples: self.pace.samples(),
+            frame_ms: self.frame_ms,
+            sun_time: self.state.clock.rfc3339(),
+        }
+    }
+}
+
+/// Keys that act as long as they are held.
+fn is_flight_key(key: KeyCode) -> bool {
+    matches!(
+        key,
+        KeyCode::KeyW
+            | KeyCode::KeyA
+            | KeyCode::KeyS
+            | KeyCode::KeyD
+            | KeyCode::KeyQ
+            | KeyCode::KeyE
+            | KeyCode::ShiftLeft
+            | KeyCode::ShiftRight
+    )
+}

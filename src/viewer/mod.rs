@@ -1,0 +1,24 @@
+//! The window: a city flown through, drawn by the same frame as a still.
+//!
+//! ```text
+//! events ─▶ app ─┬▶ navigate (pose) ─┐
+//!                ├▶ clock (sun) ─────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (egui over the image)
+//!                └▶ panel (lens, ..) ┘
+//!                    pace (resolution while the camera moves, samples while it rests)
+//! ```
+
+mod app;
+mod clock;
+mod error;
+mod journal;
+mod navigate;
+mod pace;
+mod panel;
+mod scene_state;
+mod screen;
+
+pub use app::{ViewerOptions, run};
+pub use clock::Clock;
+pub use error::ViewerError;
+pub use navigate::{Cursor, Navigator};
+pub use pace::Pace;
