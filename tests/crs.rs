@@ -369,7 +369,7 @@ fn text_without_a_code_finds_its_registered_twin() {
     let from_proj = crs("+proj=utm +zone=33 +datum=WGS84");
     let found = transform(&crs("EPSG:4326"), &from_proj, [15.0, 0.0]);
     assert!(from_proj.is_metric() && (found - DVec2::new(500_000.0, 0.0)).length() < 1e-6);
-    assert_eq!(crs(from_proj.label()), from_proj, "a label reads back");
+    assert_eq!(from_proj.label(), "EPSG:32633");
     for nonsense in [
         "",
         "EPSG:0",

@@ -304,6 +304,8 @@ fn registered(crs: &ProjObject) -> Option<ProjObject> {
     let found = match crs.code() {
         Some(code) => ProjObject::from_text(&code).ok()?,
         None => {
+            // PROJ recognises WKT where it does not the PROJ string of the same: a label must read back as what it was.
+            let crs = ProjObject::from_text(&crs.wkt(Wkt::Iso2019)?).ok()?;
             let (twin, confidence) = crs.matches().into_iter().next()?;
             twin.code().filter(|_| confidence >= SURE_PERCENT)?;
             twin
