@@ -136,14 +136,20 @@ fn the_lens_gives_the_field_of_view() {
 fn every_intermediate_image_can_be_looked_at() {
     use clap::ValueEnum;
     let mut renderer = renderer();
-    let (camera, sun, flare) = through_a_lens(250.0);
-    let request = FrameRequest {
-        flare: Some(&flare),
-        ..support::request(&camera, &sun, SIZE)
-    };
-    renderer.frame(&request, 0).unwrap();
     let mut seen: Vec<Vec<u8>> = Vec::new();
+    let (_, eye, target) = support::VIEWS[1];
+    let town = support::pinhole(eye, target, 1.0);
+    let (at_the_sun, sun, flare) = through_a_lens(250.0);
     for &which in Intermediate::value_variants() {
+        let camera = match which {
+            Intermediate::Flare => &at_the_sun,
+            _ => &town,
+        };
+        let request = FrameRequest {
+            flare: Some(&flare),
+            ..support::request(camera, &sun, SIZE)
+        };
+        renderer.frame(&request, 0).unwrap();
         let image = renderer.debug_image(which).unwrap();
         assert_eq!(image.len(), (4 * SIZE[0] * SIZE[1]) as usize, "{which:?}");
         let is_plain = image.chunks_exact(4).all(|pixel| pixel == &image[..4]);
