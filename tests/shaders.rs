@@ -5,14 +5,16 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::camera::flare::{FlareFrame, SpriteFrame};
-use rilievo::camera::{BundleRecord, InterfaceRecord, RayRecord};
-use rilievo::relief::FrameUniforms;
+use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, RayRecord};
+use rilievo::output::DebugFrame;
+use rilievo::relief::{Anchor, FrameUniforms};
 use rilievo::scene::{GroundRecord, TileSlot, VertexRecord};
 
 fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
         .into_iter()
         .chain(rilievo::camera::SHADERS)
+        .chain([rilievo::output::DEBUG_VIEW])
         .collect()
 }
 
@@ -28,19 +30,65 @@ fn every_shader_is_valid() {
     }
 }
 
-/// Names, offsets and size of a struct in whichever shader declares it.
-fn shader_layout(name: &str) -> (Vec<(String, usize)>, usize) {
+/// A Rust type and the WGSL type that has its bytes.
+trait ShaderType {
+    const WGSL: &'static str;
+}
+macro_rules! shader_types {
+    ($($rust:ty => $wgsl:literal),* $(,)?) => {
+        $(impl ShaderType for $rust { const WGSL: &'static str = $wgsl; })*
+    };
+}
+shader_types!(
+    f32 => "f32", u32 => "u32", i32 => "i32",
+    [f32; 2] => "vec2<f32>", [f32; 3] => "vec3<f32>", [f32; 4] => "vec4<f32>",
+    [i32; 2] => "vec2<i32>", glam::Vec4 => "vec4<f32>", glam::Mat4 => "mat4x4<f32>",
+);
+
+fn wgsl_of<S, T: ShaderType>(_: fn(&S) -> &T) -> String {
+    T::WGSL.to_owned()
+}
+
+fn scalar(scalar: naga::Scalar) -> String {
+    let kind = match scalar.kind {
+        naga::ScalarKind::Float => "f",
+        naga::ScalarKind::Uint => "u",
+        naga::ScalarKind::Sint => "i",
+        other => panic!("{other:?}"),
+    };
+    format!("{kind}{}", 8 * scalar.width)
+}
+
+fn wgsl_name(inner: &naga::TypeInner) -> String {
+    match *inner {
+        naga::TypeInner::Scalar(of) => scalar(of),
+        naga::TypeInner::Vector { size, scalar: of } => format!("vec{}<{}>", size as u8, scalar(of)),
+        naga::TypeInner::Matrix {
+            columns,
+            rows,
+            scalar: of,
+        } => format!("mat{}x{}<{}>", columns as u8, rows as u8, scalar(of)),
+        ref other => panic!("{other:?}"),
+    }
+}
+
+/// Names, types, offsets and size of a struct in whichever shader declares it.
+fn shader_layout(name: &str) -> (Vec<(String, String, usize)>, usize) {
     for source in all() {
         let module = naga::front::wgsl::parse_str(&source.linked()).unwrap();
         for (_, ty) in module.types.iter() {
             if ty.name.as_deref() == Some(name)
                 && let naga::TypeInner::Struct { members, span } = &ty.inner
             {
-                let fields = members
-                    .iter()
-                    .map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize))
-                    .collect();
-                return (fields, *span as usize);
+                let fields = members.iter().map(|member| {
+                    let name = member.name.clone().unwrap_or_default();
+                    (
+                        name,
+                        wgsl_name(&module.types[member.ty].inner),
+                        member.offset as usize,
+                    )
+                });
+                return (fields.collect(), *span as usize);
             }
         }
     }
@@ -50,7 +98,11 @@ fn shader_layout(name: &str) -> (Vec<(String, usize)>, usize) {
 macro_rules! same_layout {
     ($name:literal, $rust:ty, [$($shader:literal = $field:ident),* $(,)?]) => {
         let (fields, size) = shader_layout($name);
-        let expected = [$(($shader.to_owned(), offset_of!($rust, $field))),*];
+        let expected = [$((
+            $shader.to_owned(),
+            wgsl_of(|record: &$rust| &record.$field),
+            offset_of!($rust, $field),
+        )),*];
         assert_eq!(fields, expected, "{}", $name);
         assert_eq!(size, size_of::<$rust>(), "{}", $name);
     };
@@ -88,6 +140,17 @@ fn records_are_laid_out_alike_on_both_sides() {
             "max_ground" = max_ground,
             "padding" = padding,
         ]
+    );
+    same_layout!(
+        "DebugFrame",
+        DebugFrame,
+        ["kind" = kind, "component" = component, "scale" = scale]
+    );
+    same_layout!("Anchor", Anchor, ["at" = at]);
+    same_layout!(
+        "Exposure",
+        Exposure,
+        ["scale" = scale, "flare_scale" = flare_scale, "padding" = padding]
     );
     same_layout!(
         "TileSlot",
@@ -177,4 +240,167 @@ fn records_are_laid_out_alike_on_both_sides() {
             "padding" = padding,
         ]
     );
+}
+
+/// What a binding is, as the layouts say it.
+fn binding_kind(ty: wgpu::BindingType) -> String {
+    match ty {
+        wgpu::BindingType::Buffer { ty, .. } => match ty {
+            wgpu::BufferBindingType::Uniform => "uniform".to_owned(),
+            wgpu::BufferBindingType::Storage { read_only } => format!("storage, read only {read_only}"),
+        },
+        wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            ..
+        } => {
+            let kind = match sample_type {
+                wgpu::TextureSampleType::Float { .. } => "Float",
+                wgpu::TextureSampleType::Uint => "Uint",
+                wgpu::TextureSampleType::Sint => "Sint",
+                wgpu::TextureSampleType::Depth => "depth",
+            };
+            let is_array = view_dimension == wgpu::TextureViewDimension::D2Array;
+            format!("texture of {kind}, array {is_array}")
+        }
+        wgpu::BindingType::Sampler(_) => "sampler".to_owned(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The same, as a shader declares it.
+fn declared_kind(module: &naga::Module, variable: &naga::GlobalVariable) -> String {
+    match variable.space {
+        naga::AddressSpace::Uniform => return "uniform".to_owned(),
+        naga::AddressSpace::Storage { access } => {
+            let writes = access.contains(naga::StorageAccess::STORE);
+            return format!("storage, read only {}", !writes);
+        }
+        _ => {}
+    }
+    match module.types[variable.ty].inner {
+        naga::TypeInner::Image {
+            arrayed,
+            class: naga::ImageClass::Sampled { kind, .. },
+            ..
+        } => format!("texture of {kind:?}, array {arrayed}"),
+        naga::TypeInner::Sampler { .. } => "sampler".to_owned(),
+        ref other => panic!("{other:?}"),
+    }
+}
+
+/// Every binding of every shader is what the layout of its group says at that number.
+#[test]
+fn bindings_are_what_the_layouts_say() {
+    use rilievo::camera::flare::FLARE_INPUT;
+    use rilievo::camera::{Accumulate, RayPass, ToneMap};
+    use rilievo::output::DebugView;
+    use rilievo::relief::{CityBindings, ExactPass, PolygonsPass, ReliefPass, ShadePass};
+    let groups = |name: &str| -> Vec<&'static [wgpu::BindingType]> {
+        match name {
+            "terrain/ground.wgsl" | "relief/cone.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES],
+            "relief/exact.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &ExactPass::INPUT],
+            "relief/shade.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &ShadePass::INPUT],
+            "relief/polygons.wgsl" => vec![&ReliefPass::FRAME, &PolygonsPass::ANCHOR, &PolygonsPass::INPUT],
+            "camera/accumulate.wgsl" => vec![&Accumulate::INPUT],
+            "camera/tonemap.wgsl" => vec![&ToneMap::INPUT],
+            "camera/flare.wgsl" | "camera/sprite.wgsl" => vec![&FLARE_INPUT],
+            "camera/rays.wgsl" => vec![&RayPass::TYPES],
+            "debug_view.wgsl" => vec![&DebugView::INPUT],
+            other => panic!("no layouts for {other}: name them here"),
+        }
+    };
+    let mut checked = 0;
+    for source in all() {
+        let module = naga::front::wgsl::parse_str(&source.linked()).unwrap();
+        let groups = groups(source.name);
+        for (_, variable) in module.global_variables.iter() {
+            let Some(binding) = &variable.binding else {
+                continue;
+            };
+            let place = format!("{}: {:?}", source.name, variable.name);
+            let layout = groups.get(binding.group as usize).expect(&place);
+            let ty = *layout.get(binding.binding as usize).expect(&place);
+            assert_eq!(declared_kind(&module, variable), binding_kind(ty), "{place}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "{checked}");
+}
+
+/// Vertex attributes have the types and locations that the entries of the vertex stage take.
+#[test]
+fn vertex_attributes_are_what_the_shaders_take() {
+    use rilievo::camera::flare::FlareVertex;
+    use rilievo::relief::MeshVertex;
+    let format = |format: wgpu::VertexFormat| match format {
+        wgpu::VertexFormat::Float32 => "f32",
+        wgpu::VertexFormat::Float32x2 => "vec2<f32>",
+        wgpu::VertexFormat::Float32x3 => "vec3<f32>",
+        wgpu::VertexFormat::Uint32 => "u32",
+        other => panic!("{other:?}"),
+    };
+    let shaders: [(&str, &[wgpu::VertexAttribute], usize); 2] = [
+        (
+            "relief/polygons.wgsl",
+            &MeshVertex::ATTRIBUTES,
+            size_of::<MeshVertex>(),
+        ),
+        (
+            "camera/flare.wgsl",
+            &FlareVertex::ATTRIBUTES,
+            size_of::<FlareVertex>(),
+        ),
+    ];
+    for (name, attributes, size) in shaders {
+        let source = all().into_iter().find(|source| source.name == name).unwrap();
+        let module = naga::front::wgsl::parse_str(&source.linked()).unwrap();
+        let entry = module
+            .entry_points
+            .iter()
+            .find(|entry| entry.name == "vs")
+            .unwrap();
+        let taken: Vec<(u32, String)> = entry
+            .function
+            .arguments
+            .iter()
+            .filter_map(|argument| match argument.binding {
+                Some(naga::Binding::Location { location, .. }) => {
+                    Some((location, wgsl_name(&module.types[argument.ty].inner)))
+                }
+                _ => None,
+            })
+            .collect();
+        let given: Vec<(u32, String)> = attributes
+            .iter()
+            .map(|attribute| (attribute.shader_location, format(attribute.format).to_owned()))
+            .collect();
+        assert_eq!(taken, given, "{name}");
+        let end = attributes
+            .iter()
+            .map(|attribute| attribute.offset + attribute.format.size())
+            .max();
+        assert_eq!(end, Some(size as u64), "{name}: no gap at the end of a vertex");
+    }
+}
+
+/// An error is told with the file and line that it is in, not with that of the text they are joined to.
+#[test]
+fn lines_are_located_in_their_own_files() {
+    for source in all() {
+        for (path, text) in source.files {
+            for (number, line) in text.lines().enumerate().filter(|(_, line)| line.len() > 30) {
+                let linked = source.linked();
+                let at = linked.lines().position(|other| other == line).unwrap();
+                let (found, line_number) = source.locate(at + 1);
+                let (_, found_text) = source.files.iter().find(|(path, _)| *path == found).unwrap();
+                assert_eq!(
+                    found_text.lines().nth(line_number - 1),
+                    Some(line),
+                    "{path}:{}",
+                    number + 1
+                );
+            }
+        }
+    }
 }

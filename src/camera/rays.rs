@@ -94,10 +94,13 @@ pub struct RayPass {
 }
 
 impl RayPass {
+    /// Group 0: interfaces, films, terms of aspheres, bundles, rays.
+    pub const TYPES: [wgpu::BindingType; 5] = [RECORDS, RECORDS, RECORDS, RECORDS, OUTPUT];
+
     /// Compiles the shader.
     pub fn new(gpu: &Gpu) -> Self {
         let module = shader_module(gpu, &RAYS);
-        let layout = gpu.layout("rays", &[RECORDS, RECORDS, RECORDS, RECORDS, OUTPUT]);
+        let layout = gpu.layout("rays", &Self::TYPES);
         Self {
             pipeline: gpu.compute_pipeline("rays", &module, &layout),
             layout,

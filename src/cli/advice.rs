@@ -7,6 +7,7 @@ use crate::output::RenderError;
 use crate::scene::SceneError;
 use crate::source::{SourceError, SourceRole};
 use crate::space::OperationWarning;
+use crate::viewer::ViewerError;
 
 /// What to do about an error, where a flag or a command mends it.
 pub fn for_error(error: &CommandError) -> Option<String> {
@@ -18,6 +19,10 @@ pub fn for_error(error: &CommandError) -> Option<String> {
         CommandError::Render(RenderError::Gpu(error) | RenderError::Scene(SceneError::Gpu(error))) => {
             for_gpu(error)
         }
+        CommandError::Viewer(ViewerError::NoWindow { .. }) => {
+            Some("start it where there is a display, or draw images with rilievo render".to_owned())
+        }
+        CommandError::Viewer(ViewerError::Render(RenderError::Gpu(error))) => for_gpu(error),
         _ => None,
     }
 }

@@ -328,7 +328,7 @@ impl Running {
             self.renderer.gpu.wait().map_err(RenderError::from)?;
             let took = now.elapsed();
             self.frame_ms = took.as_secs_f64() * 1e3;
-            self.pace.drawn(step, took, Instant::now());
+            self.pace.drawn(step, took);
         }
         if self.saves_image && self.pace.is_full() {
             self.saves_image = false;

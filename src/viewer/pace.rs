@@ -9,6 +9,8 @@ pub struct Pace {
     /// Index into [`SCALES`] while the camera moves.
     coarse: usize,
     last_motion: Option<Instant>,
+    /// Whether the camera moved when the frame now in the making was begun.
+    is_moving: bool,
     /// Samples of the image shown.
     samples: u32,
     /// Whether that image is a coarse one.
@@ -40,14 +42,12 @@ impl Pace {
         self.samples = 0;
     }
 
-    fn is_moving(&self, now: Instant) -> bool {
-        self.last_motion
-            .is_some_and(|last| now.duration_since(last) < REST)
-    }
-
     /// What to draw next; none when the image is as good as it gets.
     pub fn next(&mut self, now: Instant) -> Option<Step> {
-        if self.is_moving(now) && self.coarse > 0 {
+        self.is_moving = self
+            .last_motion
+            .is_some_and(|last| now.duration_since(last) < REST);
+        if self.is_moving && self.coarse > 0 {
             // A coarse image that has been drawn stays until something moves again or rests.
             let step = Step {
                 scale: SCALES[self.coarse],
@@ -66,18 +66,22 @@ impl Pace {
         })
     }
 
-    /// A frame was drawn in so long. While the camera moves, the next scale follows from it: time goes with the pixels.
-    pub fn drawn(&mut self, step: Step, took: Duration, now: Instant) {
+    /// A frame was drawn in so long. The scale of moving frames follows from it: time goes with the pixels.
+    pub fn drawn(&mut self, step: Step, took: Duration) {
         self.samples = step.sample + 1;
-        if !self.is_moving(now) {
-            return;
-        }
         let seconds = took.as_secs_f64().max(1e-4);
         let fits = |scale: f64| seconds * (scale / step.scale).powi(2) <= BUDGET.as_secs_f64();
         let wanted = SCALES
             .iter()
             .position(|&scale| fits(scale))
             .unwrap_or(SCALES.len() - 1);
+        if !self.is_moving {
+            // What the first frames took tells where to begin.
+            if self.last_motion.is_none() {
+                self.coarse = wanted;
+            }
+            return;
+        }
         // Coarser at once, finer a step at a time: what sticks is what holds.
         self.coarse = if wanted < self.coarse {
             let finer = self.coarse - 1;
@@ -118,7 +122,7 @@ mod tests {
             });
             assert_eq!(step.sample, 0, "what moved is drawn anew");
             now += cost(step.scale);
-            pace.drawn(step, cost(step.scale), now);
+            pace.drawn(step, cost(step.scale));
             times.push(cost(step.scale));
         }
         assert!(
@@ -136,7 +140,7 @@ mod tests {
                 }
             );
             now += cost(1.0);
-            pace.drawn(step, cost(1.0), now);
+            pace.drawn(step, cost(1.0));
             drawn += 1;
         }
         assert_eq!(drawn, MAX_SAMPLES);

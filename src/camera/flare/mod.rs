@@ -41,8 +41,8 @@ mod table;
 
 pub use aperture::Aperture;
 pub use draw::{
-    CacheFills, FlareEffect, FlareFrame, FlareImage, FlareImager, FlareLight, FlareRequest, MeshStatistics,
-    SpriteFrame, film_half_mm,
+    CacheFills, FLARE_INPUT, FlareEffect, FlareFrame, FlareImage, FlareImager, FlareLight, FlareRequest,
+    MeshStatistics, SpriteFrame, film_half_mm,
 };
 pub use ghost::{
     Blend, Fit, FlareMesh, FlareMode, FlareParameters, FlareSource, FlareVertex, GhostParameters, Pattern,

@@ -50,11 +50,10 @@ impl GhostLayer {
     /// Compiles the pipelines.
     pub fn new(gpu: &Gpu, resources: &Resources) -> Self {
         let module = shader_module(gpu, &FLARE);
-        let attributes = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3, 4 => Float32];
         let buffers = [wgpu::VertexBufferLayout {
             array_stride: size_of::<FlareVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &attributes,
+            attributes: &FlareVertex::ATTRIBUTES,
         }];
         let topology = wgpu::PrimitiveTopology::TriangleList;
         let pipeline = |blending| resources.pipeline(gpu, &module, &buffers, topology, blending);

@@ -18,4 +18,5 @@ pub use effect::{CacheFills, FlareEffect, MeshStatistics};
 pub use ghost_layer::FlareFrame;
 pub use imager::{FlareImage, FlareImager, film_half_mm};
 pub use request::{FlareLight, FlareRequest};
+pub use resources::FLARE_INPUT;
 pub use sprite_layer::SpriteFrame;

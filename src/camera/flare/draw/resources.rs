@@ -11,6 +11,9 @@ pub enum Blending {
     Masks,
 }
 
+/// Group 0: uniform, image, sampler.
+pub const FLARE_INPUT: [wgpu::BindingType; 3] = [UNIFORM, texture(FILTERED), SAMPLER];
+
 /// The layout, the sampler, and the format of the target.
 pub struct Resources {
     layout: wgpu::BindGroupLayout,
@@ -22,7 +25,7 @@ impl Resources {
     /// For a target's format.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         Self {
-            layout: gpu.layout("flare", &[UNIFORM, texture(FILTERED), SAMPLER]),
+            layout: gpu.layout("flare", &FLARE_INPUT),
             sampler: gpu.linear_sampler("flare", false),
             format,
         }

@@ -32,6 +32,13 @@ pub struct FlareVertex {
     pub opacity: f32,
 }
 
+impl FlareVertex {
+    /// As `shaders/camera/flare.wgsl` takes them.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
+        0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3, 4 => Float32
+    ];
+}
+
 impl FlareSource {
     /// From a beam in the x-z plane to the image.
     pub fn rotated(&self, at: DVec2) -> [f32; 2] {

@@ -1,0 +1,326 @@
+//! The window, driven by real mouse and key events under a virtual display: what is under the cursor stays there, time and keys act,
+//! closing it ends the program with status 0. Needs Xvfb and xdotool (tools/set-up installs them); skips loudly without.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use glam::{DVec2, DVec3};
+use rilievo::city::City;
+use rilievo::gpu::Gpu;
+use rilievo::output::Renderer;
+use rilievo::scene::{TerrainMesh, TileSet};
+use rilievo::space::{Pose, Projection};
+use rilievo::viewer::{Cursor, Navigator};
+use serde_json::Value;
+
+const SIZE: [u32; 2] = [640, 360];
+
+/// A virtual display.
+struct Display {
+    server: Child,
+    name: String,
+}
+
+impl Display {
+    /// None, said loudly, where there can be no display.
+    fn open() -> Option<Self> {
+        let has = |program: &str| Command::new(program).arg("-version").output().is_ok();
+        if !has("Xvfb") || !has("xdotool") {
+            eprintln!("SKIPPED: Xvfb or xdotool is absent, the window was not driven; run tools/set-up");
+            return None;
+        }
+        let mut server = Command::new("Xvfb")
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "800x600x24",
+                "-nolisten",
+                "tcp",
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap())
+            .read_line(&mut number)
+            .unwrap();
+        Some(Self {
+            server,
+            name: format!(":{}", number.trim()),
+        })
+    }
+
+    /// Sends real events.
+    fn xdotool(&self, arguments: &[&str]) -> String {
+        let output = Command::new("xdotool")
+            .args(arguments)
+            .env("DISPLAY", &self.name)
+            .output()
+            .unwrap();
+        String::from_utf8_lossy(&output.stdout).trim().to_owned()
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// The program with a window on the sample city.
+struct Viewer<'a> {
+    display: &'a Display,
+    program: Child,
+    journal: PathBuf,
+    window: String,
+}
+
+impl<'a> Viewer<'a> {
+    fn open(display: &'a Display, folder: &Path) -> Self {
+        let journal = folder.join("journal.jsonl");
+        let city = support::sample().join("city");
+        let program = Command::new(support::PROGRAM)
+            .arg("fly")
+            .arg(&city)
+            .args(["--size", "640x360", "--time", "2026-06-21T14:00:00+02:00"])
+            .args(["--eye", "288900,4772600,400", "--look", "289180,4773000,215"])
+            .arg("--images")
+            .arg(folder)
+            .arg("--journal")
+            .arg(&journal)
+            .env("DISPLAY", &display.name)
+            .env_remove("WAYLAND_DISPLAY")
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut viewer = Self {
+            display,
+            program,
+            journal,
+            window: String::new(),
+        };
+        viewer.wait_for("a first frame", |frames| !frames.is_empty());
+        viewer.window = display.xdotool(&["search", "--name", "Rilievo"]);
+        assert!(!viewer.window.is_empty(), "the window has the program's name");
+        // Without a window manager nobody gives it the keyboard.
+        display.xdotool(&["windowfocus", "--sync", &viewer.window]);
+        viewer
+    }
+
+    fn frames(&self) -> Vec<Value> {
+        let text = std::fs::read_to_string(&self.journal).unwrap_or_default();
+        text.lines()
+            .filter_map(|line| serde_json::from_str(line).ok())
+            .collect()
+    }
+
+    /// Waits until the journal says so; for long, because the machine may be busy.
+    fn wait_for(&mut self, what: &str, is_so: impl Fn(&[Value]) -> bool) {
+        let start = Instant::now();
+        while !is_so(&self.frames()) {
+            assert!(
+                start.elapsed() < Duration::from_secs(60),
+                "no {what}: {:?}",
+                self.frames().last()
+            );
+            assert!(
+                self.program.try_wait().unwrap().is_none(),
+                "the program ended before {what}"
+            );
+            std::thread::sleep(Duration::from_millis(30));
+        }
+    }
+
+    /// Waits until the last frames show one pose, in full resolution, and gives its projection.
+    fn at_rest(&mut self) -> Projection {
+        let is_full =
+            |frame: &Value| frame["frame"] == frame["window"] && frame["samples"].as_u64() >= Some(2);
+        let count = self.frames().len();
+        std::thread::sleep(Duration::from_millis(300));
+        self.wait_for("rest", |frames| {
+            frames.len() >= count && frames.last().is_some_and(is_full)
+        });
+        projection(self.frames().last().unwrap())
+    }
+
+    fn move_to(&self, position: DVec2) {
+        let [x, y] = position.to_array().map(|value| format!("{value}"));
+        self.display
+            .xdotool(&["mousemove", "--window", &self.window, &x, &y]);
+    }
+
+    fn drag(&self, button: &str, from: DVec2, to: DVec2) {
+        self.move_to(from);
+        self.display.xdotool(&["mousedown", button]);
+        for step in 1..=8 {
+            self.move_to((from + (to - from) * f64::from(step) / 8.0).round());
+            std::thread::sleep(Duration::from_millis(60));
+        }
+        // The last of the moves is seen before the button is let go.
+        let count = self.frames().len();
+        std::thread::sleep(Duration::from_millis(400));
+        assert!(self.frames().len() >= count);
+        self.display.xdotool(&["mouseup", button]);
+    }
+
+    fn close(mut self) -> i32 {
+        self.display.xdotool(&["windowquit", &self.window]);
+        self.program.wait().unwrap().code().unwrap()
+    }
+}
+
+impl Drop for Viewer<'_> {
+    fn drop(&mut self) {
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
+fn vector(value: &Value) -> DVec3 {
+    let numbers: Vec<f64> = value
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(Value::as_f64)
+        .collect();
+    DVec3::from_slice(&numbers)
+}
+
+fn projection(frame: &Value) -> Projection {
+    let pose = Pose::looking_along(vector(&frame["eye"]), vector(&frame["forward"]));
+    Projection::new(pose, SIZE, frame["fov_y"].as_f64().unwrap())
+}
+
+/// Where a point lies in an image, pixels from its top left corner.
+fn pixel(projection: &Projection, point: DVec3) -> DVec2 {
+    let relative = point - projection.pose.eye;
+    let ahead = relative.dot(projection.pose.forward);
+    let ndc = DVec2::new(
+        relative.dot(projection.pose.right) / ahead,
+        relative.dot(projection.pose.up) / ahead,
+    ) / projection.tan_half_fov();
+    (ndc * DVec2::new(0.5, -0.5) + 0.5) * DVec2::new(f64::from(SIZE[0]), f64::from(SIZE[1]))
+}
+
+fn point_under(tiles: &TileSet, projection: &Projection, position: DVec2) -> DVec3 {
+    Navigator::point_under(tiles, Cursor { projection, position }).unwrap()
+}
+
+#[test]
+fn the_window_does_what_the_mouse_and_the_keys_say() {
+    let Some(display) = Display::open() else { return };
+    let city = City::open(&support::sample().join("city")).unwrap();
+    let renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    let tiles = &renderer.resident.tiles;
+    let folder = tempfile::tempdir().unwrap();
+    let mut viewer = Viewer::open(&display, folder.path());
+
+    // A drag with the left button: what was under the cursor still is.
+    let before = viewer.at_rest();
+    let [from, to] = [DVec2::new(400.0, 230.0), DVec2::new(330.0, 280.0)];
+    let held = point_under(tiles, &before, from);
+    viewer.drag("1", from, to);
+    let after = viewer.at_rest();
+    assert!(after.pose.eye.distance(before.pose.eye) > 10.0, "nothing moved");
+    assert_eq!(after.pose.forward, before.pose.forward, "a pan does not turn");
+    let off = pixel(&after, held).distance(to);
+    assert!(off <= 2.0, "panned {off} pixels off");
+
+    // The wheel: nearer to what is under the cursor, which stays under it.
+    let at = DVec2::new(420.0, 250.0);
+    let aimed = point_under(tiles, &after, at);
+    viewer.move_to(at);
+    for _ in 0..4 {
+        display.xdotool(&["click", "4"]);
+    }
+    let zoomed = viewer.at_rest();
+    let fraction = zoomed.pose.eye.distance(aimed) / after.pose.eye.distance(aimed);
+    assert!(
+        (0.3..0.7).contains(&fraction),
+        "{fraction} of the distance is left"
+    );
+    let off = pixel(&zoomed, aimed).distance(at);
+    assert!(off <= 2.0, "zoomed {off} pixels off");
+
+    // A drag with the right button turns round what is under the cursor, at the same distance.
+    let at = DVec2::new(350.0, 220.0);
+    let pivot = point_under(tiles, &zoomed, at);
+    viewer.drag("3", at, at + DVec2::new(80.0, 10.0));
+    let orbited = viewer.at_rest();
+    assert!(
+        orbited.pose.forward.dot(zoomed.pose.forward) < 0.99,
+        "nothing turned"
+    );
+    let distances = [zoomed, orbited].map(|view| view.pose.eye.distance(pivot));
+    assert!((distances[0] / distances[1] - 1.0).abs() < 1e-3, "{distances:?}");
+    let off = pixel(&orbited, pivot).distance(at);
+    assert!(off <= 2.0, "the pivot moved by {off} pixels");
+
+    // Keys: ahead, and down into the ground, where the eye stops.
+    display.xdotool(&["keydown", "w"]);
+    std::thread::sleep(Duration::from_millis(500));
+    display.xdotool(&["keyup", "w"]);
+    let flown = viewer.at_rest();
+    let way = flown.pose.eye - orbited.pose.eye;
+    assert!(way.dot(orbited.pose.forward) > 2.0, "W leads ahead: {way}");
+    display.xdotool(&["keydown", "shift", "keydown", "q"]);
+    std::thread::sleep(Duration::from_millis(3000));
+    display.xdotool(&["keyup", "q", "keyup", "shift"]);
+    let low = viewer.at_rest();
+    let height = low.pose.eye.z - tiles.ground_at(low.pose.eye.truncate()).unwrap();
+    assert!((1.0..10.0).contains(&height), "{height} m above the ground");
+
+    // The time of day by its slider: later in the day.
+    let time = |viewer: &Viewer<'_>| {
+        viewer.frames().last().unwrap()["sun_time"]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
+    let noon = time(&viewer);
+    viewer.drag("1", DVec2::new(113.0, 74.0), DVec2::new(150.0, 74.0));
+    viewer.at_rest();
+    let later = time(&viewer);
+    assert!(later > noon, "{noon} became {later}");
+
+    // An image of what is shown.
+    display.xdotool(&["key", "p"]);
+    let image = folder.path().join("city-001.png");
+    let start = Instant::now();
+    while !image.exists() && start.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    let (width, height) = image::image_dimensions(&image).unwrap();
+    assert_eq!([width, height], SIZE);
+
+    assert_eq!(viewer.close(), 0, "closing ends the program with status 0");
+}
+
+/// Without a display the reason is said, with status 1.
+#[test]
+fn without_a_display_the_reason_is_said() {
+    let city = support::sample().join("city");
+    let output = Command::new(support::PROGRAM)
+        .arg("fly")
+        .arg(&city)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        error.contains("window") && error.contains("rilievo render"),
+        "{error}"
+    );
+}
