@@ -3,8 +3,8 @@
 //! The modules stand in the order the data flows; each imports only what stands before it (`tests/flow.rs`).
 //!
 //! ```text
-//! DTM, footprints, orthophotos ─▶ source ─▶ terrain ─┐
-//!                                └───▶ buildings ┴▶ city ─▶ scene ─▶ relief ─▶ camera ─▶ output ─▶ viewer, cli
+//! DTM, footprints, orthophotos ─▶ source ─▶ terrain ──┐
+//!                                      └─▶ buildings ┴▶ city ─▶ scene ─▶ relief ─▶ camera ─▶ output ─▶ viewer, cli
 //! ```
 
 /// Coordinate reference systems, bounds, the tile grid, the sun and the camera pose.
