@@ -67,6 +67,10 @@ pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
     app.failure.map_or(Ok(()), Err)
 }
 
+/// Shortest flight of a key that is tapped; longest between two frames: a pause is no flight. Seconds.
+const MIN_FLIGHT_S: f64 = 0.05;
+const MAX_FLIGHT_S: f64 = 0.25;
+
 struct App {
     started: Instant,
     options: ViewerOptions,
@@ -256,6 +260,12 @@ impl Running {
                     return false;
                 };
                 let is_pressed = event.state == ElementState::Pressed;
+                if !is_pressed && self.keys.contains(&key) {
+                    // A tap shorter than a frame leads somewhere as well.
+                    let seconds = self.last_frame.elapsed().as_secs_f64();
+                    self.fly(seconds.clamp(MIN_FLIGHT_S, MAX_FLIGHT_S));
+                    self.last_frame = Instant::now();
+                }
                 self.keys.retain(|&held| held != key);
                 if is_pressed && !self.screen.egui.egui_wants_keyboard_input() {
                     if is_flight_key(key) {
@@ -305,8 +315,10 @@ impl Running {
     /// Draws the next frame, if one is wanted, and the screen. True when a frame was drawn.
     fn draw(&mut self, city: &str, image_folder: &std::path::Path) -> Result<bool, ViewerError> {
         let now = Instant::now();
-        // A pause is no flight.
-        let seconds = now.duration_since(self.last_frame).as_secs_f64().min(0.25);
+        let seconds = now
+            .duration_since(self.last_frame)
+            .as_secs_f64()
+            .min(MAX_FLIGHT_S);
         self.last_frame = now;
         self.fly(seconds);
         let step = self.pace.next(now);
