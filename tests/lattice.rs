@@ -310,9 +310,8 @@ fn a_source_in_degrees_gets_the_coarsest_spacing_that_follows_it() {
     let (city, fraction) = in_degrees(folder.path(), rough);
     println!("steep: {} m, {fraction:.5}", city.manifest().terrain_step_m);
     assert_eq!(city.manifest().grid.tile_m, 512.0);
-    // Bends at every pixel of a rough source in another CRS are what the finest step is allowed to cut off.
-    assert!(fraction >= 0.98, "{fraction}");
-    assert_eq!(city.manifest().terrain_step_m, 4.0);
+    assert!(fraction >= 0.995, "{fraction}");
+    assert!((2.0..=4.0).contains(&city.manifest().terrain_step_m));
 }
 
 #[test]

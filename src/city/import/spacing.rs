@@ -18,14 +18,19 @@ const MAX_INTERVALS: usize = 1024;
 /// A tile may be smaller or larger than asked for by this fraction, so that it is whole samples.
 const TILE_TOLERANCE: f64 = 0.25;
 
-/// Error of the lattice against the source that is looked for, metres (the promise is 0.30 m), and the fractions
-/// of the ground that may exceed it: everywhere, and in the worst tile that is looked at.
-const MAX_ERROR_M: f64 = 0.25;
+/// Error of the lattice against the source that is promised, metres, and the fractions of the ground that may exceed it:
+/// everywhere, and in the worst tile that is looked at.
+const MAX_ERROR_M: f64 = 0.30;
 const MAX_WORSE: f64 = 0.001;
-const MAX_WORSE_IN_TILE: f64 = 0.005;
+const MAX_WORSE_IN_TILE: f64 = 0.01;
 
-/// Step from which no finer one is tried, metres.
+/// Step from which no finer one is tried, metres and fraction of a pixel.
 const FINE_STEP_M: f64 = 4.0;
+const FINE_PIXELS: f64 = 0.25;
+
+/// The same where the city is so small that its samples are few, and how many those are (64 MiB of heights).
+const CLOSE_PIXELS: f64 = 0.125;
+const CLOSE_SAMPLES: f64 = 16e6;
 
 /// Tiles on which a step is tried, at most.
 const TRIAL_TILES: usize = 64;
@@ -76,7 +81,17 @@ impl Spacing {
             intervals.next_power_of_two().min(MAX_INTERVALS)
         };
         let coarsest = halved(1.2 * pixel_m);
-        let finest = halved((0.5 * pixel_m).clamp(0.5 * texel_m, FINE_STEP_M)).max(coarsest);
+        let limit =
+            |pixels: f64| halved((pixels * pixel_m).min(FINE_STEP_M).max(0.5 * texel_m)).max(coarsest);
+        let samples = |intervals: usize| {
+            f64::from(grid.columns) * f64::from(grid.rows) * (intervals * intervals) as f64
+        };
+        let close = limit(CLOSE_PIXELS);
+        let finest = if samples(close) <= CLOSE_SAMPLES {
+            close
+        } else {
+            limit(FINE_PIXELS)
+        };
         let mut intervals = coarsest;
         if intervals < finest {
             let trial = Trial::sample(&grid, finest, dtm, crs)?;

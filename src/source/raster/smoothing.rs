@@ -14,6 +14,10 @@ const RADIUS_M: f64 = 32.0;
 /// Sweeps at each spacing.
 const SWEEPS: usize = 4;
 
+/// Steps between neighbours above which the ground is no plateau at that spacing, and stays: a taut surface would flatten
+/// its hills and hollows, and finer spacings do what is left to do.
+const STEEP_STEPS: f32 = 1.5;
+
 /// Side of the blocks by which water is told from slopes, metres.
 const BLOCK_M: f64 = 8.0;
 
@@ -68,8 +72,9 @@ impl Smoothing {
                 grid.take(coarser);
             }
             grid.hold(&bounds);
+            let steep = grid.steep(window, STEEP_STEPS * self.step_m as f32);
             for _ in 0..SWEEPS {
-                grid.sweep();
+                grid.sweep(&steep);
                 grid.hold(&bounds);
             }
             coarser = Some(grid);

@@ -81,8 +81,26 @@ impl Grid {
         }
     }
 
-    /// Every node towards the mean of its neighbours; of a pair with one missing neither counts, so that a slope stays.
-    pub fn sweep(&mut self) {
+    /// True for nodes whose stored height differs from a neighbour's by more than `limit_m`.
+    pub fn steep(&self, window: &Window, limit_m: f32) -> Vec<bool> {
+        let stride = 1_usize << self.level;
+        let [width, height] = window.size;
+        self.pixels()
+            .map(|pixel| {
+                let (column, row) = (pixel % width, pixel / width);
+                let apart = |inside: bool, neighbour: usize| {
+                    inside && (window.heights[neighbour] - window.heights[pixel]).abs() > limit_m
+                };
+                apart(column >= stride, pixel.wrapping_sub(stride))
+                    || apart(column + stride < width, pixel + stride)
+                    || apart(row >= stride, pixel.wrapping_sub(stride * width))
+                    || apart(row + stride < height, pixel + stride * width)
+            })
+            .collect()
+    }
+
+    /// Every node that is not steep towards the mean of its neighbours; of a pair with one missing neither counts, so that a slope stays.
+    pub fn sweep(&mut self, steep: &[bool]) {
         let [width, height] = self.size;
         let before = self.heights.clone();
         for j in 0..height {
@@ -103,7 +121,7 @@ impl Grid {
                         count += 2.0;
                     }
                 }
-                if count > 0.0 {
+                if count > 0.0 && !steep[k] {
                     self.heights[k] += RELAXATION * (sum / count - before[k]);
                 }
             }
