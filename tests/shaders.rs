@@ -14,7 +14,7 @@ fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
         .into_iter()
         .chain(rilievo::camera::SHADERS)
-        .chain([rilievo::output::DEBUG_VIEW])
+        .chain([rilievo::output::DEBUG_VIEW, rilievo::viewer::SCREEN])
         .collect()
 }
 
@@ -307,6 +307,7 @@ fn bindings_are_what_the_layouts_say() {
             "camera/flare.wgsl" | "camera/sprite.wgsl" => vec![&FLARE_INPUT],
             "camera/rays.wgsl" => vec![&RayPass::TYPES],
             "debug_view.wgsl" => vec![&DebugView::INPUT],
+            "viewer/screen.wgsl" => vec![&rilievo::viewer::Blit::INPUT],
             other => panic!("no layouts for {other}: name them here"),
         }
     };

@@ -357,9 +357,13 @@ impl Running {
             state,
             ..
         } = self;
-        let Some(view) = renderer.display_view() else {
-            return Ok(());
+        // Codes as they are, or decoded for a surface that encodes them again.
+        let view = if screen.is_srgb() {
+            renderer.image().map(|image| &image.view)
+        } else {
+            renderer.display_view()
         };
+        let Some(view) = view else { return Ok(()) };
         let info = PanelInfo {
             city,
             device: &renderer.gpu.adapter_name,

@@ -8,6 +8,7 @@
 //! ```
 
 mod app;
+mod blit;
 mod clock;
 mod error;
 mod journal;
@@ -18,6 +19,7 @@ mod scene_state;
 mod screen;
 
 pub use app::{ViewerOptions, run};
+pub use blit::{Blit, SCREEN};
 pub use clock::Clock;
 pub use error::ViewerError;
 pub use navigate::{Cursor, Navigator};

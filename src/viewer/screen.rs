@@ -6,6 +6,7 @@ use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use winit::event::WindowEvent;
 use winit::window::Window;
 
+use super::blit::Blit;
 use crate::gpu::Gpu;
 
 /// A window with egui.
@@ -18,8 +19,7 @@ pub struct Screen {
     pub egui: egui::Context,
     input: egui_winit::State,
     painter: egui_wgpu::Renderer,
-    /// The city's image in egui, and its pixels.
-    image: Option<(egui::TextureId, [u32; 2])>,
+    blit: Blit,
 }
 
 impl Screen {
@@ -40,7 +40,12 @@ impl Screen {
             None,
             Some(gpu.device.limits().max_texture_dimension_2d as usize),
         );
-        let painter = egui_wgpu::Renderer::new(&gpu.device, configuration.format, RendererOptions::default());
+        let options = RendererOptions {
+            dithering: false,
+            ..RendererOptions::default()
+        };
+        let painter = egui_wgpu::Renderer::new(&gpu.device, configuration.format, options);
+        let blit = Blit::new(gpu, configuration.format);
         Self {
             window,
             surface,
@@ -48,7 +53,7 @@ impl Screen {
             egui,
             input,
             painter,
-            image: None,
+            blit,
         }
     }
 
@@ -79,8 +84,8 @@ impl Screen {
         image_size: [u32; 2],
         panel: impl FnMut(&egui::Context),
     ) {
-        let image = self.image_id(gpu, image, image_size);
-        let output = self.run(image, panel);
+        self.blit.bind(gpu, image, image_size, self.size());
+        let output = self.run(panel);
         self.input
             .handle_platform_output(&self.window, output.platform_output);
         let pixels_per_point = output.pixels_per_point;
@@ -111,7 +116,7 @@ impl Screen {
             self.painter
                 .update_buffers(&gpu.device, &gpu.queue, &mut encoder, &primitives, &descriptor);
         {
-            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("screen"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &view,
@@ -124,6 +129,7 @@ impl Screen {
                 })],
                 ..Default::default()
             });
+            self.blit.draw(&mut pass);
             self.painter
                 .render(&mut pass.forget_lifetime(), &primitives, &descriptor);
         }
@@ -135,40 +141,13 @@ impl Screen {
         }
     }
 
-    /// The image in egui: bound anew when it was made anew, as it is for another size.
-    fn image_id(&mut self, gpu: &Gpu, view: &wgpu::TextureView, size: [u32; 2]) -> egui::TextureId {
-        match &mut self.image {
-            Some((id, known)) => {
-                if *known != size {
-                    let filter = wgpu::FilterMode::Linear;
-                    self.painter
-                        .update_egui_texture_from_wgpu_texture(&gpu.device, view, filter, *id);
-                    *known = size;
-                }
-                *id
-            }
-            None => {
-                let filter = wgpu::FilterMode::Linear;
-                let id = self.painter.register_native_texture(&gpu.device, view, filter);
-                self.image = Some((id, size));
-                id
-            }
-        }
+    fn run(&mut self, mut panel: impl FnMut(&egui::Context)) -> egui::FullOutput {
+        let input = self.input.take_egui_input(&self.window);
+        self.egui.clone().run_ui(input, |ui| panel(&ui.ctx().clone()))
     }
 
-    fn run(&mut self, image: egui::TextureId, mut panel: impl FnMut(&egui::Context)) -> egui::FullOutput {
-        let input = self.input.take_egui_input(&self.window);
-        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-        self.egui.clone().run_ui(input, |ui| {
-            let context = ui.ctx().clone();
-            let screen = context.viewport_rect();
-            context.layer_painter(egui::LayerId::background()).image(
-                image,
-                screen,
-                whole,
-                egui::Color32::WHITE,
-            );
-            panel(&context);
-        })
+    /// Whether the surface encodes what is drawn on it.
+    pub fn is_srgb(&self) -> bool {
+        self.configuration.format.is_srgb()
     }
 }

@@ -1,0 +1,80 @@
+//! Draws the city's image over the whole window. On a software device a tenth of what a user interface's own painter takes for
+//! the same pixels.
+
+use crate::gpu::{
+    FILTERED, Gpu, PipelineParameters, SAMPLER, ShaderSource, UNIFORM, Uniform, color_target, shader_module,
+    texture,
+};
+
+macro_rules! file {
+    ($path:literal) => {
+        (
+            $path,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)),
+        )
+    };
+}
+
+/// The shader.
+pub const SCREEN: ShaderSource = ShaderSource {
+    name: "viewer/screen.wgsl",
+    constants: &[],
+    files: &[file!("fullscreen.wgsl"), file!("viewer/screen.wgsl")],
+};
+
+/// The pipeline and the image that it draws.
+pub struct Blit {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    window: Uniform<[f32; 4]>,
+    /// The image's group and size: bound anew when the image was made anew, as it is for another size.
+    image: Option<(wgpu::BindGroup, [u32; 2])>,
+}
+
+impl Blit {
+    /// Group 0: the image, its sampler, the window's size.
+    pub const INPUT: [wgpu::BindingType; 3] = [texture(FILTERED), SAMPLER, UNIFORM];
+
+    /// For a surface's format.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        let module = shader_module(gpu, &SCREEN);
+        let layout = gpu.layout("screen", &Self::INPUT);
+        let targets = [color_target(format)];
+        Self {
+            pipeline: gpu.pipeline(&PipelineParameters::fullscreen(
+                "screen",
+                &module,
+                &[&layout],
+                &targets,
+            )),
+            layout,
+            sampler: gpu.linear_sampler("screen", false),
+            window: Uniform::new(gpu, "screen"),
+            image: None,
+        }
+    }
+
+    /// The image of the next frame, for a window of `window` pixels.
+    pub fn bind(&mut self, gpu: &Gpu, view: &wgpu::TextureView, size: [u32; 2], window: [u32; 2]) {
+        let [width, height] = window.map(|count| count as f32);
+        self.window.write(gpu, &[width, height, 0.0, 0.0]);
+        if self.image.as_ref().is_some_and(|(_, known)| *known == size) {
+            return;
+        }
+        let resources = [
+            wgpu::BindingResource::TextureView(view),
+            wgpu::BindingResource::Sampler(&self.sampler),
+            self.window.binding(),
+        ];
+        self.image = Some((gpu.group("screen", &self.layout, &resources), size));
+    }
+
+    /// Draws it.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let Some((group, _)) = &self.image else { return };
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
