@@ -45,30 +45,41 @@ fn walk_cells(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
     return FAR;
 }
 
+// Where a rising ray has passed what is no higher than `bound`, at most t1.
+fn clears(bound: f32, ray: Ray, t1: f32) -> f32 {
+    if ray.direction.z <= 0.0 { return t1; }
+    let t = (bound - frame.eye_elevation - ray.start.z) / ray.direction.z;
+    return min(t1, t + slack(abs(t)));
+}
+
 // First meeting with the ground of one tile between t0 and t1.
 fn walk_ground_tile(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), ray.direction.xy >= vec2<f32>(0.0));
+    // Only below the tile's highest ground.
+    let end = clears(textureLoad(ground_bounds, vec2<i32>(0), layer, GROUND_LEVELS - 1u).x, ray, t1);
     var t = t0;
+    if t >= end { return FAR; }
     var level = 0u;
     for (var i = 0u; i < MAX_STEPS; i += 1u) {
         let blocks = GROUND_BLOCKS >> level;
         let size = frame.tile_m / f32(blocks);
         let position = (start + (t + slack(t)) * ray.direction.xy) / size;
         let block = clamp(vec2<i32>(floor(position)), vec2<i32>(0), vec2<i32>(blocks - 1));
-        let t_past = min(t1, max(leaves((vec2<f32>(block) + lead) * size, start, ray), t));
+        let t_past = min(end, max(leaves((vec2<f32>(block) + lead) * size, start, ray), t));
         let lowest = ray.start.z + min(t * ray.direction.z, t_past * ray.direction.z) + frame.eye_elevation;
-        if lowest <= textureLoad(ground_bounds, block, layer, level).x {
+        let bound = textureLoad(ground_bounds, block, layer, level).x;
+        if lowest <= bound {
             if level > 0u {
                 level -= 1u;
                 continue;
             }
-            let met = walk_cells(layer, start, ray, t, t_past);
+            let met = walk_cells(layer, start, ray, t, clears(bound, ray, t_past));
             if met < FAR { return met; }
         } else {
             level = min(level + 1u, GROUND_LEVELS - 1u);
         }
         t = max(t_past, t + slack(t));
-        if t >= t1 { break; }
+        if t >= end { break; }
     }
     return FAR;
 }

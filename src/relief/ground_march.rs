@@ -80,6 +80,18 @@ fn walk_cells(ground: &GroundTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2]) -> 
     None
 }
 
+/// Where a rising ray has passed what is no higher than `bound` metres, at most `t1`.
+fn clears(bound: f32, local: &LocalRay<'_>, t1: f32) -> f32 {
+    let LocalRay {
+        ray, eye_elevation, ..
+    } = *local;
+    if ray.direction.z <= 0.0 {
+        return t1;
+    }
+    let t = (bound - eye_elevation - ray.start.z) / ray.direction.z;
+    t1.min(t + slack(t.abs()))
+}
+
 /// First meeting with the ground of one tile between `t0` and `t1`.
 fn walk_ground_tile(ground: &GroundTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2]) -> Option<f32> {
     let LocalRay {
@@ -89,7 +101,12 @@ fn walk_ground_tile(ground: &GroundTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2
     } = *local;
     let lead = lead([ray.direction.x >= 0.0, ray.direction.y >= 0.0]);
     let tile_m = (ground.heights.step_m * (ground.heights.side - 1) as f64) as f32;
+    // Only below the tile's highest ground.
+    let end = clears(ground.bounds.max(GroundBounds::LEVELS - 1, 0, 0), local, t1);
     let (mut t, mut level) = (t0, 0_u32);
+    if t >= end {
+        return None;
+    }
     for _ in 0..MAX_STEPS {
         let blocks = (GroundBounds::BLOCKS >> level) as i32;
         let size = tile_m / blocks as f32;
@@ -98,14 +115,15 @@ fn walk_ground_tile(ground: &GroundTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2
             .floor()
             .as_ivec2()
             .clamp(IVec2::ZERO, IVec2::splat(blocks - 1));
-        let t_past = t1.min(leaves((block.as_vec2() + lead) * size, start, ray).max(t));
+        let t_past = end.min(leaves((block.as_vec2() + lead) * size, start, ray).max(t));
         let lowest = ray.start.z + (t * ray.direction.z).min(t_past * ray.direction.z) + eye_elevation;
-        if lowest <= ground.bounds.max(level, block.x as usize, block.y as usize) {
+        let bound = ground.bounds.max(level, block.x as usize, block.y as usize);
+        if lowest <= bound {
             if level > 0 {
                 level -= 1;
                 continue;
             }
-            let met = walk_cells(ground, local, [t, t_past]);
+            let met = walk_cells(ground, local, [t, clears(bound, local, t_past)]);
             if met.is_some() {
                 return met;
             }
@@ -113,7 +131,7 @@ fn walk_ground_tile(ground: &GroundTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2
             level = (level + 1).min(GroundBounds::LEVELS - 1);
         }
         t = t_past.max(t + slack(t));
-        if t >= t1 {
+        if t >= end {
             break;
         }
     }
