@@ -4,19 +4,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
-use winit::keyboard::{KeyCode, PhysicalKey};
+use winit::keyboard::KeyCode;
 use winit::window::{Window, WindowId};
 
+use super::input::MAX_FLIGHT_S;
 use super::journal::{FrameRecord, Journal};
 use super::panel::{PanelInfo, panel};
 use super::scene_state::{SceneState, first_pose, lenses};
 use super::screen::Screen;
-use super::{Clock, Cursor, Navigator, Pace, ViewerError};
+use super::{Clock, Navigator, Pace, ViewerError};
 use crate::camera::Optics;
 use crate::camera::lens::Lens;
 use crate::city::City;
@@ -67,10 +68,6 @@ pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
     app.failure.map_or(Ok(()), Err)
 }
 
-/// Shortest flight of a key that is tapped; longest between two frames: a pause is no flight. Seconds.
-const MIN_FLIGHT_S: f64 = 0.05;
-const MAX_FLIGHT_S: f64 = 0.25;
-
 struct App {
     started: Instant,
     options: ViewerOptions,
@@ -80,19 +77,19 @@ struct App {
 }
 
 /// An open window on a loaded city.
-struct Running {
-    screen: Screen,
-    renderer: Renderer,
-    state: SceneState,
-    lenses: Vec<Arc<Lens>>,
-    pace: Pace,
-    keys: Vec<KeyCode>,
-    cursor: DVec2,
-    frame_ms: f64,
-    last_frame: Instant,
-    message: String,
-    shows_panel: bool,
-    saves_image: bool,
+pub(super) struct Running {
+    pub(super) screen: Screen,
+    pub(super) renderer: Renderer,
+    pub(super) state: SceneState,
+    pub(super) lenses: Vec<Arc<Lens>>,
+    pub(super) pace: Pace,
+    pub(super) keys: Vec<KeyCode>,
+    pub(super) cursor: DVec2,
+    pub(super) frame_ms: f64,
+    pub(super) last_frame: Instant,
+    pub(super) message: String,
+    pub(super) shows_panel: bool,
+    pub(super) saves_image: bool,
 }
 
 impl App {
@@ -187,7 +184,7 @@ impl ApplicationHandler for App {
 }
 
 impl Running {
-    fn projection(&self) -> Projection {
+    pub(super) fn projection(&self) -> Projection {
         self.state.projection(self.screen.size())
     }
 
@@ -195,121 +192,9 @@ impl Running {
         !self.keys.is_empty() || self.saves_image || self.pace.next(Instant::now()).is_some()
     }
 
-    fn moved(&mut self) {
+    pub(super) fn moved(&mut self) {
         self.pace.moved(Instant::now());
         self.screen.window.request_redraw();
-    }
-
-    /// Everything but drawing and closing; true when the window is to be closed.
-    fn on_event(&mut self, event: &WindowEvent) -> bool {
-        let is_taken = self.screen.on_event(event);
-        self.screen.window.request_redraw();
-        let tiles = &self.renderer.resident.tiles;
-        match event {
-            WindowEvent::Resized(size) => {
-                self.screen.resize(&self.renderer.gpu, [size.width, size.height]);
-                self.moved();
-            }
-            WindowEvent::CursorMoved { position, .. } => {
-                self.cursor = DVec2::new(position.x, position.y);
-                if self.state.navigator.is_dragging() {
-                    let projection = self.state.projection(self.screen.size());
-                    let cursor = Cursor {
-                        projection: &projection,
-                        position: self.cursor,
-                    };
-                    if self.state.navigator.drag(tiles, cursor) {
-                        self.moved();
-                    }
-                }
-            }
-            WindowEvent::MouseInput {
-                state: ElementState::Released,
-                ..
-            } => self.state.navigator.end_drag(),
-            WindowEvent::MouseInput { button, .. } if !is_taken => {
-                let projection = self.projection();
-                let cursor = Cursor {
-                    projection: &projection,
-                    position: self.cursor,
-                };
-                match button {
-                    MouseButton::Left => self.state.navigator.begin_pan(tiles, cursor),
-                    MouseButton::Right => self.state.navigator.begin_orbit(tiles, cursor),
-                    _ => {}
-                }
-            }
-            WindowEvent::MouseWheel { delta, .. } if !is_taken => {
-                // A step of a wheel is some 40 pixels of a touchpad.
-                let steps = match delta {
-                    MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
-                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / 40.0,
-                };
-                let projection = self.projection();
-                let cursor = Cursor {
-                    projection: &projection,
-                    position: self.cursor,
-                };
-                if self.state.navigator.zoom(tiles, cursor, steps) {
-                    self.moved();
-                }
-            }
-            WindowEvent::Focused(false) => self.keys.clear(),
-            WindowEvent::KeyboardInput { event, .. } => {
-                let PhysicalKey::Code(key) = event.physical_key else {
-                    return false;
-                };
-                let is_pressed = event.state == ElementState::Pressed;
-                if !is_pressed && self.keys.contains(&key) {
-                    // A tap shorter than a frame leads somewhere as well.
-                    let seconds = self.last_frame.elapsed().as_secs_f64();
-                    self.fly(seconds.clamp(MIN_FLIGHT_S, MAX_FLIGHT_S));
-                    self.last_frame = Instant::now();
-                }
-                self.keys.retain(|&held| held != key);
-                if is_pressed && !self.screen.egui.egui_wants_keyboard_input() {
-                    if is_flight_key(key) {
-                        self.keys.push(key);
-                    } else if !event.repeat {
-                        return self.on_key(key);
-                    }
-                }
-            }
-            _ => {}
-        }
-        false
-    }
-
-    /// A key that does something once; true for the one that closes the window.
-    fn on_key(&mut self, key: KeyCode) -> bool {
-        match key {
-            KeyCode::Escape => return true,
-            KeyCode::KeyP => self.saves_image = true,
-            KeyCode::Tab => self.shows_panel = !self.shows_panel,
-            KeyCode::KeyN => {
-                let pose = &mut self.state.navigator.pose;
-                let level = pose.forward.truncate().length();
-                *pose = Pose::looking_along(pose.eye, DVec3::new(0.0, level, pose.forward.z));
-                self.moved();
-            }
-            _ => {}
-        }
-        false
-    }
-
-    /// Moves by the keys held since the last frame.
-    fn fly(&mut self, seconds: f64) {
-        let held = |key: KeyCode| f64::from(u8::from(self.keys.contains(&key)));
-        let wish = DVec3::new(
-            held(KeyCode::KeyD) - held(KeyCode::KeyA),
-            held(KeyCode::KeyE) - held(KeyCode::KeyQ),
-            held(KeyCode::KeyW) - held(KeyCode::KeyS),
-        );
-        let is_fast = self.keys.contains(&KeyCode::ShiftLeft) || self.keys.contains(&KeyCode::ShiftRight);
-        let tiles = &self.renderer.resident.tiles;
-        if self.state.navigator.fly(tiles, wish, is_fast, seconds) {
-            self.pace.moved(Instant::now());
-        }
     }
 
     /// Draws the next frame, if one is wanted, and the screen. True when a frame was drawn.
@@ -422,19 +307,4 @@ impl Running {
             sun_time: self.state.clock.rfc3339(),
         }
     }
-}
-
-/// Keys that act as long as they are held.
-fn is_flight_key(key: KeyCode) -> bool {
-    matches!(
-        key,
-        KeyCode::KeyW
-            | KeyCode::KeyA
-            | KeyCode::KeyS
-            | KeyCode::KeyD
-            | KeyCode::KeyQ
-            | KeyCode::KeyE
-            | KeyCode::ShiftLeft
-            | KeyCode::ShiftRight
-    )
 }

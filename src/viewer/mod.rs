@@ -1,16 +1,17 @@
 //! The window: a city flown through, drawn by the same frame as a still.
 //!
 //! ```text
-//! events ─▶ app ─┬▶ navigate (pose) ─┐
-//!                ├▶ clock (sun) ─────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (egui over the image)
-//!                └▶ panel (lens, ..) ┘
-//!                    pace (resolution while the camera moves, samples while it rests)
+//! events ─▶ input, app ─┬▶ navigate (pose) ─┐
+//!                       ├▶ clock (sun) ─────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (egui over the image)
+//!                       └▶ panel (lens, ..) ┘
+//!                           pace (resolution while the camera moves, samples while it rests)
 //! ```
 
 mod app;
 mod blit;
 mod clock;
 mod error;
+mod input;
 mod journal;
 mod navigate;
 mod pace;
