@@ -17,6 +17,8 @@ use support::View;
 use support::raycaster::{Raycaster, Truth};
 
 const SIZE: [u32; 2] = [192, 108];
+/// Among the densest houses of Mamre, in its CRS.
+const MAMRE: [f64; 2] = [264_448.0, 6_288_820.0];
 
 fn view(eye: [f64; 3], target: [f64; 3]) -> View {
     View {
@@ -341,4 +343,42 @@ fn the_same_command_gives_the_same_picture() {
         std::fs::read(Path::new(&out)).unwrap()
     };
     assert_eq!(render("a.png"), render("b.png"));
+}
+
+/// A real place: Mamre's footprints on its 25 m terrain, both in the city's CRS.
+#[test]
+fn a_real_town_is_true() {
+    let Some(data) = support::shared_data() else {
+        return;
+    };
+    let terrain = data.join("mamre_za/derived_dtm25_utm34s_clip.tif");
+    let footprints = data.join("mamre_za/derived_buildings_epsg32734.gpkg");
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("city");
+    let path = |path: &Path| path.display().to_string();
+    support::succeed(&[
+        "import".to_owned(),
+        "--terrain".to_owned(),
+        path(&terrain),
+        "--buildings".to_owned(),
+        path(&footprints),
+        "--height-field".to_owned(),
+        "height_m".to_owned(),
+        "--out".to_owned(),
+        path(&out),
+    ]);
+    let caster = Raycaster::open(&terrain, &footprints, "height_m");
+    let city = City::open(&out).unwrap();
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    let [x, y] = MAMRE;
+    let z = caster.ground(x, y).unwrap();
+    for (name, eye) in [
+        ("low", [x - 90.0, y - 110.0, z + 40.0]),
+        ("oblique", [x - 160.0, y - 140.0, z + 130.0]),
+        ("high", [x - 60.0, y - 80.0, z + 320.0]),
+    ] {
+        let view = view(eye, [x, y, z]);
+        let exact = draw(&mut renderer, view, ReliefMode::Exact);
+        check(&format!("mamre {name}"), &caster, view, &exact);
+    }
 }

@@ -256,10 +256,9 @@ fn the_window_does_what_the_mouse_and_the_keys_say() {
     }
     let zoomed = viewer.moved_from(&after);
     let fraction = zoomed.pose.eye.distance(aimed) / after.pose.eye.distance(aimed);
-    assert!(
-        (0.2..0.75).contains(&fraction),
-        "{fraction} of the distance is left"
-    );
+    // A step leaves 0.85 of the way. A synthetic click is told twice, as it is pressed and let go; a wheel's own motion once.
+    let is_step = |steps: i32| (fraction / 0.85_f64.powi(steps) - 1.0).abs() < 0.01;
+    assert!(is_step(4) || is_step(8), "{fraction} of the distance is left");
     let off = pixel(&zoomed, aimed).distance(at);
     assert!(off <= 2.0, "zoomed {off} pixels off");
 
@@ -283,7 +282,7 @@ fn the_window_does_what_the_mouse_and_the_keys_say() {
     display.xdotool(&["keyup", "w"]);
     let flown = viewer.moved_from(&orbited);
     let way = flown.pose.eye - orbited.pose.eye;
-    assert!(way.dot(orbited.pose.forward) > 0.3, "W leads ahead: {way}");
+    assert!(way.dot(orbited.pose.forward) > 2.0, "W leads ahead: {way}");
     display.xdotool(&["keydown", "shift", "keydown", "q"]);
     std::thread::sleep(Duration::from_millis(3000));
     display.xdotool(&["keyup", "q", "keyup", "shift"]);

@@ -1,4 +1,4 @@
-//! The camera's ways: pan on the ground under the cursor, orbit it, zoom to it, fly. Never below the ground.
+//! Navigation: pan on the ground under the cursor, orbit it, zoom to it, fly. Never below the ground.
 
 use glam::{DQuat, DVec2, DVec3};
 
@@ -6,7 +6,7 @@ use crate::relief::pick;
 use crate::scene::TileSet;
 use crate::space::{Pose, Projection};
 
-/// A cursor on an image: what a drag or a turn of the wheel acts on.
+/// A cursor on an image: what a drag or a step of the wheel acts on.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor<'a> {
     /// The image that it is on.
@@ -44,8 +44,8 @@ const FARTHEST_M: f64 = 100_000.0;
 const FALLBACK_DEPTH_M: f64 = 100.0;
 /// Rays flatter than this (sine) have no point on the ground to hold on to.
 const FLATTEST: f64 = 0.02;
-/// Turn of the camera for a drag over the image's height, radians.
-const TURN_PER_IMAGE: f64 = 3.0;
+/// Rotation of the camera for a drag over the image's height, radians.
+const ROTATION_PER_IMAGE: f64 = 3.0;
 /// Steepest and flattest views that orbiting leads to: sines of the altitude of the direction of view.
 const PITCH: [f64; 2] = [-0.9998, 0.6];
 /// Speed of flight by height above the ground, a second; slowest, metres a second; and how many times faster with Shift.
@@ -107,8 +107,8 @@ impl Navigator {
             Some(Drag::Pan { anchor }) => self.pan(anchor, cursor),
             Some(Drag::Orbit { anchor, last }) => {
                 let height = f64::from(cursor.projection.size[1]);
-                let turn = (cursor.position - last) * (TURN_PER_IMAGE / height);
-                self.orbit(anchor, turn);
+                let rotation = (cursor.position - last) * (ROTATION_PER_IMAGE / height);
+                self.orbit(anchor, rotation);
                 self.drag = Some(Drag::Orbit {
                     anchor,
                     last: cursor.position,
@@ -133,13 +133,13 @@ impl Navigator {
     }
 
     /// Turns eye and view together round the anchor, which so stays where it is in the image.
-    fn orbit(&mut self, anchor: DVec3, turn: DVec2) {
+    fn orbit(&mut self, anchor: DVec3, rotation_wanted: DVec2) {
         let pitch = self.pose.forward.z;
-        let wanted = (pitch.clamp(-1.0, 1.0).asin() - turn.y).sin();
+        let wanted = (pitch.clamp(-1.0, 1.0).asin() - rotation_wanted.y).sin();
         let allowed = wanted.clamp(PITCH[0].min(pitch), PITCH[1].max(pitch));
         let tilt = allowed.asin() - pitch.clamp(-1.0, 1.0).asin();
-        let rotation =
-            DQuat::from_axis_angle(DVec3::Z, -turn.x) * DQuat::from_axis_angle(self.pose.right, tilt);
+        let rotation = DQuat::from_axis_angle(DVec3::Z, -rotation_wanted.x)
+            * DQuat::from_axis_angle(self.pose.right, tilt);
         let eye = anchor + rotation * (self.pose.eye - anchor);
         self.pose = Pose::looking_along(eye, rotation * self.pose.forward);
     }
@@ -169,8 +169,8 @@ impl Navigator {
             .map_or(FALLBACK_DEPTH_M, |ground| self.pose.eye.z - ground);
         let factor = if is_fast { FAST } else { 1.0 };
         let speed = (SPEED * height).max(SLOWEST_M_S) * factor;
-        let way = self.pose.right * wish.x + DVec3::Z * wish.y + self.pose.forward * wish.z;
-        self.pose.eye += way.normalize_or_zero() * speed * seconds;
+        let direction = self.pose.right * wish.x + DVec3::Z * wish.y + self.pose.forward * wish.z;
+        self.pose.eye += direction.normalize_or_zero() * speed * seconds;
         self.stay_above(tiles);
         true
     }
