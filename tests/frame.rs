@@ -67,7 +67,12 @@ fn a_second_frame_makes_no_resource_of_the_device() {
         ..moved
     };
     renderer.frame(&other_size, 0).unwrap();
-    assert!(renderer.gpu.creations() > first, "the count counts");
+    let second = renderer.gpu.creations();
+    assert!(second > first, "the count counts");
+    for request in [&moved, &other_size, &request] {
+        renderer.frame(request, 0).unwrap();
+    }
+    assert_eq!(renderer.gpu.creations(), second, "back at a size drawn before");
     renderer.gpu.wait().unwrap();
 }
 

@@ -1,13 +1,13 @@
 //! The sum of an image's samples.
 
 use super::shaders::ACCUMULATE;
-use crate::gpu::{FLOAT, Gpu, PipelineParameters, Target, color_target, shader_module, texture};
+use crate::gpu::{BySize, FLOAT, Gpu, PipelineParameters, Target, color_target, shader_module, texture};
 
 /// Two sums that take turns.
 pub struct Accumulate {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
-    sums: Option<Sums>,
+    sums: BySize<Sums>,
 }
 
 struct Sums {
@@ -35,26 +35,29 @@ impl Accumulate {
                 &targets,
             )),
             layout,
-            sums: None,
+            sums: BySize::default(),
         }
     }
 
     /// Sums of `size` pixels of what `radiance` will hold.
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2], radiance: &Target) {
-        let targets = ["sum 0", "sum 1"].map(|label| Target::new(gpu, label, size, Self::FORMAT));
-        let input = |before: &Target| {
-            let resources = [before.binding(), radiance.binding()];
-            gpu.group("accumulate", &self.layout, &resources)
-        };
-        self.sums = Some(Sums {
-            inputs: [input(&targets[1]), input(&targets[0])],
-            targets,
+        let layout = &self.layout;
+        self.sums.select(size, || {
+            let targets = ["sum 0", "sum 1"].map(|label| Target::new(gpu, label, size, Self::FORMAT));
+            let input = |before: &Target| {
+                let resources = [before.binding(), radiance.binding()];
+                gpu.group("accumulate", layout, &resources)
+            };
+            Sums {
+                inputs: [input(&targets[1]), input(&targets[0])],
+                targets,
+            }
         });
     }
 
     /// The sums, the one of an even number of the last sample first; none before the first size.
     pub fn targets(&self) -> Option<&[Target; 2]> {
-        self.sums.as_ref().map(|sums| &sums.targets)
+        self.sums.current().map(|sums| &sums.targets)
     }
 
     /// Adds sample number `sample` (from 0, which begins the sum).
@@ -64,7 +67,7 @@ impl Accumulate {
         sample: u32,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        let Some(sums) = &self.sums else { return };
+        let Some(sums) = self.sums.current() else { return };
         let index = sample as usize % 2;
         if sample == 0 {
             drop(begin(encoder, &sums.targets[1], None));

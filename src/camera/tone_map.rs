@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::shaders::TONEMAP;
 use crate::gpu::{
-    FLOAT, Gpu, PipelineParameters, Target, UNIFORM, Uniform, color_target, shader_module, texture,
+    BySize, FLOAT, Gpu, PipelineParameters, Target, UNIFORM, Uniform, color_target, shader_module, texture,
 };
 
 /// Layout of `Exposure` in `shaders/camera/tonemap.wgsl`.
@@ -35,7 +35,7 @@ pub struct ToneMap {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     exposure: Uniform<Exposure>,
-    image: Option<Image>,
+    image: BySize<Image>,
 }
 
 struct Image {
@@ -68,37 +68,40 @@ impl ToneMap {
             )),
             layout,
             exposure: Uniform::new(gpu, "exposure"),
-            image: None,
+            image: BySize::default(),
         }
     }
 
     /// An image of `size` pixels out of two sums that take turns, and a flare.
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2], sums: &[Target; 2], flare: &Target) {
-        let input = |sum: &Target| {
-            let resources = [sum.binding(), self.exposure.binding(), flare.binding()];
-            gpu.group("tone map", &self.layout, &resources)
-        };
-        let target = Target::with_views(gpu, "image", size, Self::FORMAT, &[Self::CODES]);
-        let codes = target.texture.create_view(&wgpu::TextureViewDescriptor {
-            format: Some(Self::CODES),
-            usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
-            ..Default::default()
-        });
-        self.image = Some(Image {
-            inputs: [input(&sums[0]), input(&sums[1])],
-            target,
-            codes,
+        let (layout, exposure) = (&self.layout, &self.exposure);
+        self.image.select(size, || {
+            let input = |sum: &Target| {
+                let resources = [sum.binding(), exposure.binding(), flare.binding()];
+                gpu.group("tone map", layout, &resources)
+            };
+            let target = Target::with_views(gpu, "image", size, Self::FORMAT, &[Self::CODES]);
+            let codes = target.texture.create_view(&wgpu::TextureViewDescriptor {
+                format: Some(Self::CODES),
+                usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
+                ..Default::default()
+            });
+            Image {
+                inputs: [input(&sums[0]), input(&sums[1])],
+                target,
+                codes,
+            }
         });
     }
 
     /// The image, RGBA sRGB; none before the first size.
     pub fn image(&self) -> Option<&Target> {
-        self.image.as_ref().map(|image| &image.target)
+        self.image.current().map(|image| &image.target)
     }
 
     /// The image's sRGB codes, undecoded; none before the first size.
     pub fn display_view(&self) -> Option<&wgpu::TextureView> {
-        self.image.as_ref().map(|image| &image.codes)
+        self.image.current().map(|image| &image.codes)
     }
 
     /// Draws the image of `samples` samples.
@@ -110,7 +113,7 @@ impl ToneMap {
         samples: u32,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        let Some(image) = &self.image else { return };
+        let Some(image) = self.image.current() else { return };
         self.exposure.write(gpu, &Exposure::new(exposure, samples));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone map"),

@@ -1,6 +1,7 @@
 //! The device, shader modules, render targets, read-back and timing. Knows nothing of cities.
 
 mod bindings;
+mod by_size;
 mod device;
 mod pipeline;
 mod readback;
@@ -10,10 +11,11 @@ mod timing;
 mod upload;
 
 pub use bindings::{FILTERED, FLOAT, OUTPUT, RECORDS, SAMPLER, UNIFORM, texture, texture_array};
+pub use by_size::BySize;
 pub use device::{Gpu, GpuError};
 pub use pipeline::PipelineParameters;
 pub use readback::{read_buffer, read_texture};
 pub use shader::{Constant, ConstantValue, ShaderFile, ShaderSource, shader_module};
-pub use target::{Target, color_target};
+pub use target::{Target, blended_target, color_target};
 pub use timing::{PassTimer, PassTimes};
 pub use upload::{TextureArray, Uniform, empty_buffer, filled_texture, geometry_buffer, storage_buffer};

@@ -89,6 +89,15 @@ impl Target {
     }
 }
 
+/// A colour target state that blends what is drawn, its alpha multiplied in, over what is there.
+pub fn blended_target(format: wgpu::TextureFormat) -> Option<wgpu::ColorTargetState> {
+    Some(wgpu::ColorTargetState {
+        format,
+        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        write_mask: wgpu::ColorWrites::ALL,
+    })
+}
+
 /// A colour target state without blending.
 pub fn color_target(format: wgpu::TextureFormat) -> Option<wgpu::ColorTargetState> {
     Some(wgpu::ColorTargetState {

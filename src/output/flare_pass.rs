@@ -6,7 +6,7 @@ use super::{FrameRequest, RenderError, Renderer};
 use crate::camera::flare::{
     Aperture, FlareEffect, FlareRequest, GhostParameters, Preset, StarburstParameters, TableFile,
 };
-use crate::gpu::{Gpu, Target};
+use crate::gpu::{BySize, Gpu, Target};
 
 /// How the flare of a lens is made.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl FlareSettings {
 /// The flare of the camera's lens.
 pub(super) struct FlarePass {
     effect: FlareEffect,
-    target: Option<Target>,
+    target: BySize<Target>,
     /// Whether the target shows something else than the effect.
     is_stale: bool,
     /// Whether the effect shows a flare.
@@ -50,20 +50,21 @@ impl FlarePass {
     pub(super) fn new(gpu: &Gpu) -> Self {
         Self {
             effect: FlareEffect::new(gpu, FORMAT),
-            target: None,
+            target: BySize::default(),
             is_stale: true,
             is_lit: false,
         }
     }
 
     pub(super) fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) {
-        self.target = Some(Target::new(gpu, "flare", size, FORMAT));
+        self.target
+            .select(size, || Target::new(gpu, "flare", size, FORMAT));
         self.is_stale = true;
     }
 
     /// Radiance that the lens adds.
     pub(super) fn target(&self) -> Option<&Target> {
-        self.target.as_ref()
+        self.target.current()
     }
 
     /// Draws the flare where it changed; else a pass that draws nothing, so that it has its times.
@@ -72,7 +73,9 @@ impl FlarePass {
         encoder: &mut wgpu::CommandEncoder,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        let Some(target) = &self.target else { return };
+        let Some(target) = self.target.current() else {
+            return;
+        };
         let is_drawn = self.is_stale && self.is_lit;
         let attachment = if self.is_stale {
             target.cleared(wgpu::Color::TRANSPARENT)

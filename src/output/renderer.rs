@@ -66,7 +66,7 @@ impl Renderer {
         Ok(buildings)
     }
 
-    /// Makes all targets anew where they have another size.
+    /// Puts all targets of a size in use.
     pub(super) fn resize(&mut self, size: [u32; 2]) {
         if self.size == size {
             return;

@@ -4,7 +4,7 @@
 use super::context::{PassContext, pass_number};
 use super::shaders::EXACT;
 use super::targets::{ReliefTargets, relief_target_states, reversed_depth};
-use crate::gpu::{FLOAT, Gpu, PipelineParameters, shader_module, texture};
+use crate::gpu::{BySize, FLOAT, Gpu, PipelineParameters, shader_module, texture};
 
 /// The pipelines.
 pub struct ExactPass {
@@ -13,7 +13,7 @@ pub struct ExactPass {
     /// The face behind all others.
     last: wgpu::RenderPipeline,
     input_layout: wgpu::BindGroupLayout,
-    input: Option<wgpu::BindGroup>,
+    input: BySize<wgpu::BindGroup>,
 }
 
 /// Vertices of the tiles' volume: six faces of two triangles.
@@ -49,14 +49,16 @@ impl ExactPass {
             overflow,
             last,
             input_layout,
-            input: None,
+            input: BySize::default(),
         }
     }
 
     /// Binds the targets of a new size.
     pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets) {
         let resources = [targets.ground_distance.binding(), targets.cone_distance.binding()];
-        self.input = Some(gpu.group("exact input", &self.input_layout, &resources));
+        let layout = &self.input_layout;
+        self.input
+            .select(targets.size, || gpu.group("exact input", layout, &resources));
     }
 
     /// Encodes the pass: the end of the buildings' time.
@@ -66,7 +68,7 @@ impl ExactPass {
         pass.set_pipeline(&self.overflow);
         pass.set_bind_group(0, context.frame, &[]);
         pass.set_bind_group(1, context.city, &[]);
-        pass.set_bind_group(2, self.input.as_ref(), &[]);
+        pass.set_bind_group(2, self.input.current(), &[]);
         pass.draw(0..VOLUME_VERTICES, 0..1);
         pass.set_pipeline(&self.last);
         pass.draw(0..3, 0..1);

@@ -10,7 +10,7 @@ use super::polygons_pass::PolygonsPass;
 use super::shade_pass::ShadePass;
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
-use crate::gpu::{Gpu, GpuError, PassTimer, UNIFORM, Uniform};
+use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
 use crate::scene::{Frustum, Resident};
 use crate::space::{Projection, Sun};
 
@@ -47,7 +47,7 @@ pub struct ReliefPass {
     exact: ExactPass,
     shade: ShadePass,
     polygons: Option<PolygonsPass>,
-    targets: Option<ReliefTargets>,
+    targets: BySize<ReliefTargets>,
 }
 
 impl ReliefPass {
@@ -70,7 +70,7 @@ impl ReliefPass {
             exact: ExactPass::new(gpu, layouts),
             shade: ShadePass::new(gpu, layouts),
             polygons: None,
-            targets: None,
+            targets: BySize::default(),
             frame_layout,
             city,
         }
@@ -82,32 +82,27 @@ impl ReliefPass {
     /// When the device cannot hold it.
     pub fn set_polygons(&mut self, gpu: &Gpu, mesh: &BuildingMesh, origin: DVec3) -> Result<(), GpuError> {
         let mut polygons = PolygonsPass::new(gpu, &self.frame_layout, mesh, origin)?;
-        if let Some(targets) = &self.targets {
+        if let Some(targets) = self.targets.current() {
             polygons.bind(gpu, targets);
         }
         self.polygons = Some(polygons);
         Ok(())
     }
 
-    /// Targets of `size` pixels, made anew where they have another size.
+    /// Puts the targets of `size` pixels in use.
     pub fn resize(&mut self, gpu: &Gpu, resident: &Resident, size: [u32; 2]) -> &ReliefTargets {
-        if self.targets.as_ref().is_some_and(|targets| targets.size != size) {
-            self.targets = None;
+        let targets = self.targets.select(size, || ReliefTargets::new(gpu, size));
+        self.exact.bind(gpu, targets);
+        self.shade.bind(gpu, targets, &resident.imagery);
+        if let Some(polygons) = &mut self.polygons {
+            polygons.bind(gpu, targets);
         }
-        self.targets.get_or_insert_with(|| {
-            let targets = ReliefTargets::new(gpu, size);
-            self.exact.bind(gpu, &targets);
-            self.shade.bind(gpu, &targets, &resident.imagery);
-            if let Some(polygons) = &mut self.polygons {
-                polygons.bind(gpu, &targets);
-            }
-            targets
-        })
+        targets
     }
 
     /// The images of the last size asked for.
     pub fn targets(&self) -> Option<&ReliefTargets> {
-        self.targets.as_ref()
+        self.targets.current()
     }
 
     /// Encodes one sample of one view into the targets. Polygons without a mesh draw no buildings.
@@ -119,7 +114,9 @@ impl ReliefPass {
         view: &ReliefView<'_>,
         timer: &PassTimer,
     ) {
-        let Some(targets) = &self.targets else { return };
+        let Some(targets) = self.targets.current() else {
+            return;
+        };
         let ReliefView {
             projection,
             sun,

@@ -8,7 +8,8 @@ use super::context::{PassContext, pass_number};
 use super::shaders::POLYGONS;
 use super::targets::{ReliefTargets, relief_target_states, reversed_depth};
 use crate::gpu::{
-    FLOAT, Gpu, GpuError, PipelineParameters, UNIFORM, Uniform, geometry_buffer, shader_module, texture,
+    BySize, FLOAT, Gpu, GpuError, PipelineParameters, UNIFORM, Uniform, geometry_buffer, shader_module,
+    texture,
 };
 
 /// Layout of `Anchor` in `shaders/relief/polygons.wgsl`.
@@ -25,7 +26,7 @@ pub struct PolygonsPass {
     anchor: Uniform<Anchor>,
     anchor_group: wgpu::BindGroup,
     input_layout: wgpu::BindGroupLayout,
-    input: Option<wgpu::BindGroup>,
+    input: BySize<wgpu::BindGroup>,
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     blocks: Vec<MeshBlock>,
@@ -75,7 +76,7 @@ impl PolygonsPass {
             anchor_group: gpu.group("anchor", &anchor_layout, &[anchor.binding()]),
             anchor,
             input_layout,
-            input: None,
+            input: BySize::default(),
             vertices: geometry_buffer(gpu, label, &mesh.vertices, wgpu::BufferUsages::VERTEX)?,
             indices: geometry_buffer(gpu, label, &mesh.indices, wgpu::BufferUsages::INDEX)?,
             blocks: mesh.blocks.clone(),
@@ -86,7 +87,9 @@ impl PolygonsPass {
     /// Binds the targets of a new size.
     pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets) {
         let resources = [targets.ground_distance.binding()];
-        self.input = Some(gpu.group("polygons input", &self.input_layout, &resources));
+        let layout = &self.input_layout;
+        self.input
+            .select(targets.size, || gpu.group("polygons input", layout, &resources));
     }
 
     /// Encodes the pass: the blocks in view, the nearest first.
@@ -99,7 +102,7 @@ impl PolygonsPass {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, context.frame, &[]);
         pass.set_bind_group(1, &self.anchor_group, &[]);
-        pass.set_bind_group(2, self.input.as_ref(), &[]);
+        pass.set_bind_group(2, self.input.current(), &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
         let is_seen = |block: &&MeshBlock| {

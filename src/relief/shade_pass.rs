@@ -6,7 +6,8 @@ use super::context::{PassContext, pass_number};
 use super::shaders::SHADE;
 use super::targets::{FAR_COLOR, ReliefTargets};
 use crate::gpu::{
-    FILTERED, FLOAT, Gpu, PipelineParameters, SAMPLER, color_target, shader_module, texture, texture_array,
+    BySize, FILTERED, FLOAT, Gpu, PipelineParameters, SAMPLER, color_target, shader_module, texture,
+    texture_array,
 };
 use crate::scene::ImageryTiles;
 
@@ -15,7 +16,7 @@ pub struct ShadePass {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
     input_layout: wgpu::BindGroupLayout,
-    input: Option<wgpu::BindGroup>,
+    input: BySize<wgpu::BindGroup>,
 }
 
 impl ShadePass {
@@ -44,7 +45,7 @@ impl ShadePass {
             )),
             sampler: gpu.linear_sampler("imagery", true),
             input_layout,
-            input: None,
+            input: BySize::default(),
         }
     }
 
@@ -57,7 +58,9 @@ impl ShadePass {
             wgpu::BindingResource::TextureView(&imagery.array.view),
             wgpu::BindingResource::Sampler(&self.sampler),
         ];
-        self.input = Some(gpu.group("shade input", &self.input_layout, &resources));
+        let layout = &self.input_layout;
+        self.input
+            .select(targets.size, || gpu.group("shade input", layout, &resources));
     }
 
     /// Encodes the pass.
@@ -76,7 +79,7 @@ impl ShadePass {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, context.frame, &[]);
         pass.set_bind_group(1, context.city, &[]);
-        pass.set_bind_group(2, self.input.as_ref(), &[]);
+        pass.set_bind_group(2, self.input.current(), &[]);
         pass.draw(0..3, 0..1);
     }
 }

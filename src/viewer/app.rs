@@ -123,7 +123,7 @@ impl App {
             renderer,
             state,
             lenses: lenses(),
-            pace: Pace::default(),
+            pace: Pace::new(Instant::now()),
             keys: Vec::new(),
             cursor: DVec2::ZERO,
             frame_ms: 0.0,
@@ -189,7 +189,10 @@ impl Running {
     }
 
     fn wants_frame(&mut self) -> bool {
-        !self.keys.is_empty() || self.saves_image || self.pace.next(Instant::now()).is_some()
+        !self.keys.is_empty()
+            || self.saves_image
+            || self.screen.overlay.is_animated()
+            || self.pace.next(Instant::now()).is_some()
     }
 
     pub(super) fn moved(&mut self) {
@@ -236,31 +239,44 @@ impl Running {
     }
 
     fn draw_screen(&mut self, city: &str) -> Result<(), ViewerError> {
-        let Self {
-            screen,
-            renderer,
-            state,
-            ..
-        } = self;
+        let begun = Instant::now();
+        let is_due = self
+            .screen
+            .overlay
+            .is_due(self.screen.size(), self.pace.is_moving());
+        if is_due {
+            self.paint_panel(city)?;
+        }
         // Codes as they are, or decoded for a surface that encodes them again.
-        let view = if screen.is_srgb() {
-            renderer.image().map(|image| &image.view)
+        let view = if self.screen.is_srgb() {
+            self.renderer.image().map(|image| &image.view)
         } else {
-            renderer.display_view()
+            self.renderer.display_view()
         };
-        let Some(view) = view else { return Ok(()) };
+        if let Some(view) = view {
+            self.screen.draw(&self.renderer.gpu, view);
+        }
+        // The panel is painted now and then only.
+        if !is_due {
+            self.pace.shown(begun.elapsed());
+        }
+        Ok(())
+    }
+
+    fn paint_panel(&mut self, city: &str) -> Result<(), ViewerError> {
         let info = PanelInfo {
             city,
-            device: &renderer.gpu.adapter_name,
+            device: &self.renderer.gpu.adapter_name,
             frame_ms: self.frame_ms,
-            frame: renderer.size(),
+            frame: self.renderer.size(),
             samples: self.pace.samples(),
             message: &self.message,
             lenses: &self.lenses,
         };
+        let (shows_panel, state, size) = (self.shows_panel, &mut self.state, self.screen.size());
         let mut changed = false;
-        let shows_panel = self.shows_panel;
-        screen.draw(&renderer.gpu, view, renderer.size(), |context| {
+        let Screen { window, overlay, .. } = &mut self.screen;
+        overlay.paint(&self.renderer.gpu, window, size, |context| {
             if shows_panel {
                 egui::Window::new(info.city)
                     .anchor(egui::Align2::LEFT_TOP, [12.0, 12.0])
@@ -269,7 +285,7 @@ impl Running {
             }
         });
         if changed {
-            state.sun = state.clock.sun()?;
+            self.state.sun = self.state.clock.sun()?;
             self.moved();
         }
         Ok(())

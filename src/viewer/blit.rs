@@ -1,9 +1,8 @@
-//! Draws the city's image over the whole window. On a software device a tenth of what a user interface's own painter takes for
-//! the same pixels.
+//! Draws an image over the whole window: the city's, and the panel over it. On a software device a tenth of what a user
+//! interface's own painter takes for the same pixels.
 
 use crate::gpu::{
-    FILTERED, Gpu, PipelineParameters, SAMPLER, ShaderSource, UNIFORM, Uniform, color_target, shader_module,
-    texture,
+    FILTERED, Gpu, PipelineParameters, SAMPLER, ShaderSource, UNIFORM, Uniform, shader_module, texture,
 };
 
 macro_rules! file {
@@ -28,19 +27,19 @@ pub struct Blit {
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
     window: Uniform<[f32; 4]>,
-    /// The image's group and size: bound anew when the image was made anew, as it is for another size.
-    image: Option<(wgpu::BindGroup, [u32; 2])>,
+    /// The image's group and view: bound anew for another view.
+    image: Option<(wgpu::BindGroup, wgpu::TextureView)>,
 }
 
 impl Blit {
     /// Group 0: the image, its sampler, the window's size.
     pub const INPUT: [wgpu::BindingType; 3] = [texture(FILTERED), SAMPLER, UNIFORM];
 
-    /// For a surface's format.
-    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+    /// For a surface's colour target state.
+    pub fn new(gpu: &Gpu, target: Option<wgpu::ColorTargetState>) -> Self {
         let module = shader_module(gpu, &SCREEN);
         let layout = gpu.layout("screen", &Self::INPUT);
-        let targets = [color_target(format)];
+        let targets = [target];
         Self {
             pipeline: gpu.pipeline(&PipelineParameters::fullscreen(
                 "screen",
@@ -56,10 +55,10 @@ impl Blit {
     }
 
     /// The image of the next frame, for a window of `window` pixels.
-    pub fn bind(&mut self, gpu: &Gpu, view: &wgpu::TextureView, size: [u32; 2], window: [u32; 2]) {
+    pub fn bind(&mut self, gpu: &Gpu, view: &wgpu::TextureView, window: [u32; 2]) {
         let [width, height] = window.map(|count| count as f32);
         self.window.write(gpu, &[width, height, 0.0, 0.0]);
-        if self.image.as_ref().is_some_and(|(_, known)| *known == size) {
+        if self.image.as_ref().is_some_and(|(_, known)| known == view) {
             return;
         }
         let resources = [
@@ -67,7 +66,7 @@ impl Blit {
             wgpu::BindingResource::Sampler(&self.sampler),
             self.window.binding(),
         ];
-        self.image = Some((gpu.group("screen", &self.layout, &resources), size));
+        self.image = Some((gpu.group("screen", &self.layout, &resources), view.clone()));
     }
 
     /// Draws it.

@@ -8,6 +8,7 @@ use winit::keyboard::{KeyCode, PhysicalKey};
 
 use super::Cursor;
 use super::app::Running;
+use super::screen::Screen;
 use crate::space::Pose;
 
 /// Shortest flight of a key that is tapped; longest between two frames: a pause is no flight. Seconds.
@@ -20,7 +21,8 @@ const PIXELS_PER_STEP: f64 = 40.0;
 impl Running {
     /// Everything but drawing and closing; true when the window is to be closed.
     pub(super) fn on_event(&mut self, event: &WindowEvent) -> bool {
-        let is_taken = self.screen.on_event(event);
+        let Screen { window, overlay, .. } = &mut self.screen;
+        let is_taken = overlay.on_event(window, event);
         self.screen.window.request_redraw();
         let tiles = &self.renderer.resident.tiles;
         match event {
@@ -84,7 +86,7 @@ impl Running {
                     self.last_frame = Instant::now();
                 }
                 self.keys.retain(|&held| held != key);
-                if is_pressed && !self.screen.egui.egui_wants_keyboard_input() {
+                if is_pressed && !self.screen.overlay.egui.egui_wants_keyboard_input() {
                     if is_flight_key(key) {
                         self.keys.push(key);
                     } else if !event.repeat {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! events ─▶ input, app ─┬▶ navigate (pose) ─┐
-//!                       ├▶ clock (sun) ─────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (egui over the image)
+//!                       ├▶ clock (sun) ─────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (image, overlay)
 //!                       └▶ panel (lens, ..) ┘
 //!                           pace (resolution while the camera moves, samples while it rests)
 //! ```
@@ -14,6 +14,7 @@ mod error;
 mod input;
 mod journal;
 mod navigate;
+mod overlay;
 mod pace;
 mod panel;
 mod scene_state;

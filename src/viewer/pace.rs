@@ -4,12 +4,14 @@
 use std::time::{Duration, Instant};
 
 /// Resolution and samples.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Pace {
     /// Index into [`SCALES`] while the camera moves.
     coarse: usize,
+    /// What the screen takes beside the frame.
+    screen: Duration,
     last_motion: Option<Instant>,
-    /// Whether the camera moved when the frame now in the making was begun.
+    /// Whether the camera moved when the last frame was begun.
     is_moving: bool,
     /// Samples of the image shown.
     samples: u32,
@@ -27,15 +29,29 @@ pub struct Step {
 }
 
 /// Scales in use. A few, so that targets are not made anew all the time.
-pub const SCALES: [f64; 6] = [1.0, 0.75, 0.5, 0.375, 0.25, 0.1875];
+pub const SCALES: [f64; 8] = [1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.15, 0.125];
+/// Index of the scale to begin with.
+const FIRST: usize = 4;
 /// Samples that a resting image gets.
 pub const MAX_SAMPLES: u32 = 64;
-/// Frames are to take no longer while the camera moves: 15 a second, with something to spare.
-const BUDGET: Duration = Duration::from_millis(58);
+/// A frame and its way to the screen are to take no longer while the camera moves: 15 a second, with something to spare.
+const BUDGET: Duration = Duration::from_millis(60);
 /// The camera rests when it has not moved for so long.
 const REST: Duration = Duration::from_millis(120);
 
 impl Pace {
+    /// The window opens: as in motion, so that there is something to see at once.
+    pub fn new(now: Instant) -> Self {
+        Self {
+            coarse: FIRST,
+            screen: Duration::ZERO,
+            last_motion: Some(now),
+            is_moving: true,
+            samples: 0,
+            is_coarse: false,
+        }
+    }
+
     /// The camera, the sun or a setting changed.
     pub fn moved(&mut self, now: Instant) {
         self.last_motion = Some(now);
@@ -66,30 +82,37 @@ impl Pace {
         })
     }
 
-    /// A frame was drawn in so long. The scale of moving frames follows from it: time goes with the pixels.
+    /// A frame was drawn in so long. The scale of moving frames follows from it: its time goes with the pixels.
     pub fn drawn(&mut self, step: Step, took: Duration) {
         self.samples = step.sample + 1;
-        let seconds = took.as_secs_f64().max(1e-4);
-        let fits = |scale: f64| seconds * (scale / step.scale).powi(2) <= BUDGET.as_secs_f64();
-        let wanted = SCALES
-            .iter()
-            .position(|&scale| fits(scale))
-            .unwrap_or(SCALES.len() - 1);
         if !self.is_moving {
-            // What the first frames took tells where to begin.
-            if self.last_motion.is_none() {
-                self.coarse = wanted;
-            }
             return;
         }
+        let budget = BUDGET.saturating_sub(self.screen).as_secs_f64();
+        let seconds = took.as_secs_f64().max(1e-4);
+        let takes = |scale: f64| seconds * (scale / step.scale).powi(2);
+        let wanted = SCALES
+            .iter()
+            .position(|&scale| takes(scale) <= budget)
+            .unwrap_or(SCALES.len() - 1);
         // Coarser at once, finer a step at a time: what sticks is what holds.
         self.coarse = if wanted < self.coarse {
             let finer = self.coarse - 1;
-            let has_room = seconds * (SCALES[finer] / step.scale).powi(2) <= 0.8 * BUDGET.as_secs_f64();
+            let has_room = takes(SCALES[finer]) <= 0.95 * budget;
             if has_room { finer } else { self.coarse }
         } else {
             wanted
         };
+    }
+
+    /// An image was brought to the screen in so long.
+    pub fn shown(&mut self, took: Duration) {
+        self.screen = took;
+    }
+
+    /// Whether the image shown was drawn in motion.
+    pub fn is_moving(&self) -> bool {
+        self.is_moving
     }
 
     /// Samples of the image shown.
@@ -107,12 +130,13 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// A device on which a full frame takes 450 ms: while it moves frames come down to the budget, and at rest the samples add up.
+    /// A device on which a full frame takes 760 ms and the screen 18: while it moves frames come down to the budget, and at rest the samples add up.
     #[test]
     fn frames_keep_coming_while_the_camera_moves_and_samples_add_up_at_rest() {
-        let mut pace = Pace::default();
         let mut now = Instant::now();
-        let cost = |scale: f64| Duration::from_secs_f64(0.45 * scale * scale);
+        let mut pace = Pace::new(now);
+        let screen = Duration::from_millis(18);
+        let cost = |scale: f64| Duration::from_secs_f64(0.01 + 0.75 * scale * scale);
         let mut times = Vec::new();
         for _ in 0..30 {
             pace.moved(now);
@@ -121,12 +145,13 @@ mod tests {
                 sample: 0,
             });
             assert_eq!(step.sample, 0, "what moved is drawn anew");
-            now += cost(step.scale);
+            now += cost(step.scale) + screen;
             pace.drawn(step, cost(step.scale));
-            times.push(cost(step.scale));
+            pace.shown(screen);
+            times.push(cost(step.scale) + screen);
         }
         assert!(
-            times[3..].iter().all(|time| time.as_secs_f64() < 1.0 / 15.0),
+            times[2..].iter().all(|time| time.as_secs_f64() < 1.0 / 15.0),
             "{times:?}"
         );
         now += REST;

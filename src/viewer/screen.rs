@@ -1,24 +1,21 @@
-//! The window's surface, and the panel over the image on it.
+//! The window's surface: the city's image, and the panel over it.
 
 use std::sync::Arc;
 
-use egui_wgpu::{RendererOptions, ScreenDescriptor};
-use winit::event::WindowEvent;
 use winit::window::Window;
 
 use super::blit::Blit;
-use crate::gpu::Gpu;
+use super::overlay::Overlay;
+use crate::gpu::{Gpu, color_target};
 
-/// A window with egui.
+/// A window and what is shown on it.
 pub struct Screen {
     /// The window.
     pub window: Arc<Window>,
+    /// The panel.
+    pub overlay: Overlay,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
-    /// The panel's context.
-    pub egui: egui::Context,
-    input: egui_winit::State,
-    painter: egui_wgpu::Renderer,
     blit: Blit,
 }
 
@@ -30,30 +27,12 @@ impl Screen {
         surface: wgpu::Surface<'static>,
         configuration: wgpu::SurfaceConfiguration,
     ) -> Self {
-        let egui = egui::Context::default();
-        egui.set_theme(egui::Theme::Dark);
-        let input = egui_winit::State::new(
-            egui.clone(),
-            egui::ViewportId::ROOT,
-            &window,
-            Some(window.scale_factor() as f32),
-            None,
-            Some(gpu.device.limits().max_texture_dimension_2d as usize),
-        );
-        let options = RendererOptions {
-            dithering: false,
-            ..RendererOptions::default()
-        };
-        let painter = egui_wgpu::Renderer::new(&gpu.device, configuration.format, options);
-        let blit = Blit::new(gpu, configuration.format);
         Self {
+            overlay: Overlay::new(gpu, &window, configuration.format),
+            blit: Blit::new(gpu, color_target(configuration.format)),
             window,
             surface,
             configuration,
-            egui,
-            input,
-            painter,
-            blit,
         }
     }
 
@@ -71,34 +50,11 @@ impl Screen {
         self.surface.configure(&gpu.device, &self.configuration);
     }
 
-    /// Hands an event to the panel; true when the panel took it.
-    pub fn on_event(&mut self, event: &WindowEvent) -> bool {
-        self.input.on_window_event(&self.window, event).consumed
-    }
-
-    /// Shows an image of `image_size` pixels over the whole window, with a panel on it.
-    pub fn draw(
-        &mut self,
-        gpu: &Gpu,
-        image: &wgpu::TextureView,
-        image_size: [u32; 2],
-        panel: impl FnMut(&egui::Context),
-    ) {
-        self.blit.bind(gpu, image, image_size, self.size());
-        let output = self.run(panel);
-        self.input
-            .handle_platform_output(&self.window, output.platform_output);
-        let pixels_per_point = output.pixels_per_point;
-        let primitives = self.egui.tessellate(output.shapes, pixels_per_point);
-        let descriptor = ScreenDescriptor {
-            size_in_pixels: self.size(),
-            pixels_per_point,
-        };
-        for (id, deltas) in &output.textures_delta.set {
-            for delta in deltas {
-                self.painter.update_texture(&gpu.device, &gpu.queue, *id, delta);
-            }
-        }
+    /// Shows an image over the whole window, and the panel over it.
+    pub fn draw(&mut self, gpu: &Gpu, image: &wgpu::TextureView) {
+        let size = self.size();
+        self.blit.bind(gpu, image, size);
+        self.overlay.bind(gpu, size);
         let surface = match self.surface.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(texture)
             | wgpu::CurrentSurfaceTexture::Suboptimal(texture) => texture,
@@ -112,9 +68,6 @@ impl Screen {
             .texture
             .create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let buffers =
-            self.painter
-                .update_buffers(&gpu.device, &gpu.queue, &mut encoder, &primitives, &descriptor);
         {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("screen"),
@@ -130,20 +83,11 @@ impl Screen {
                 ..Default::default()
             });
             self.blit.draw(&mut pass);
-            self.painter
-                .render(&mut pass.forget_lifetime(), &primitives, &descriptor);
+            self.overlay.draw(&mut pass);
         }
-        gpu.queue.submit(buffers.into_iter().chain([encoder.finish()]));
+        gpu.queue.submit([encoder.finish()]);
         self.window.pre_present_notify();
         gpu.queue.present(surface);
-        for id in &output.textures_delta.free {
-            self.painter.free_texture(id);
-        }
-    }
-
-    fn run(&mut self, mut panel: impl FnMut(&egui::Context)) -> egui::FullOutput {
-        let input = self.input.take_egui_input(&self.window);
-        self.egui.clone().run_ui(input, |ui| panel(&ui.ctx().clone()))
     }
 
     /// Whether the surface encodes what is drawn on it.
