@@ -305,7 +305,7 @@ fn bindings_are_what_the_layouts_say() {
             "camera/accumulate.wgsl" => vec![&Accumulate::INPUT],
             "camera/tonemap.wgsl" => vec![&ToneMap::INPUT],
             "camera/flare.wgsl" | "camera/sprite.wgsl" => vec![&FLARE_INPUT],
-            "camera/rays.wgsl" => vec![&RayPass::TYPES],
+            "camera/ray_bundles.wgsl" => vec![&RayPass::TYPES],
             "debug_view.wgsl" => vec![&DebugView::INPUT],
             "viewer/screen.wgsl" => vec![&rilievo::viewer::Blit::INPUT],
             other => panic!("no layouts for {other}: name them here"),

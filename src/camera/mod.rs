@@ -16,7 +16,7 @@ pub mod lens;
 mod paraxial;
 mod optics;
 mod path;
-mod rays;
+mod ray_bundles;
 mod shaders;
 mod tone_map;
 mod tone_curve;
@@ -30,7 +30,7 @@ pub use paraxial::{
     Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
 };
 pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
-pub use rays::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
+pub use ray_bundles::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
 pub use tone_curve::{START_COMPRESSION, shoulder, srgb, tone_curve, tone_mapped};
 pub use tone_map::{Exposure, ToneMap};

@@ -1,6 +1,6 @@
 //! Which libraries each shader is linked from.
 
-use super::rays::{LOST, REFLECTS, STOP, WORKGROUP};
+use super::ray_bundles::{LOST, REFLECTS, STOP, WORKGROUP};
 use super::tone_curve::START_COMPRESSION;
 use crate::gpu::{Constant, ConstantValue, ShaderSource};
 
@@ -56,9 +56,9 @@ pub const SPRITE: ShaderSource = ShaderSource {
 
 /// Grids of rays.
 pub const RAYS: ShaderSource = ShaderSource {
-    name: "camera/rays.wgsl",
+    name: "camera/ray_bundles.wgsl",
     constants: CONSTANTS,
-    files: &[file!("lib/trace.wgsl"), file!("camera/rays.wgsl")],
+    files: &[file!("lib/trace.wgsl"), file!("camera/ray_bundles.wgsl")],
 };
 
 /// Every shader of the camera.

@@ -3,8 +3,8 @@
 //! Terrain: page 1 heights (f32, samples on the tile's border included, so the raster reaches half a pixel beyond
 //! the tile), page 2 the triangles of the TIN (u32, 3 indices of mesh positions a row: `HeightTile::mesh_parts`).
 //!
-//! Buildings: page 1 roof elevation and page 2 building id per texel (what a GIS shows), page 3 the  cell codes,
-//! page 4 outline vertices (x, y, along, building; f32, the building's bits as they are), page 5 piece lists,
+//! Buildings: page 1 roof elevation and page 2 building id per texel (what a GIS shows), page 3 the cell codes,
+//! page 4 outline vertices (x, y, along, building; f32, the building's bits as they are), page 5 lists of cell codes,
 //! page 6 roofs (roof, base, fid as u32 bits).
 //!
 //! Imagery: one RGBA page.
@@ -84,7 +84,7 @@ pub fn read_terrain(path: &Path, side: usize, step_m: f64) -> Result<TerrainTile
     if indices.iter().any(|&index| index as usize >= positions) {
         return Err(damaged(
             path,
-            "a triangle's corner is no position of the mesh".to_owned(),
+            "a triangle's vertex is no position of the mesh".to_owned(),
         ));
     }
     let (triangles, _) = indices.as_chunks::<3>();
@@ -187,7 +187,7 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
     Ok(map)
 }
 
-/// Writes a orthophoto tile.
+/// Writes an orthophoto tile.
 pub fn write_imagery(
     path: &Path,
     bounds: &Bounds,
@@ -203,7 +203,7 @@ pub fn write_imagery(
     write(path, &[page], keys)
 }
 
-/// Reads a orthophoto tile of `side` pixels.
+/// Reads an orthophoto tile of `side` pixels.
 pub fn read_imagery(path: &Path, side: usize) -> Result<ImageryTile, CityError> {
     let rgba = PageReader::open(path)?.rgba([Some(side), Some(side)])?;
     Ok(ImageryTile { side, rgba })

@@ -10,6 +10,7 @@ mod raised;
 mod staging;
 mod store;
 mod tile;
+mod writer;
 
 pub use codec::{ImageryTile, TerrainTile};
 pub use error::CityError;

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::codec::{ImageryTile, TerrainTile};
 use crate::buildings::{BuildingMap, MapTile};
 use crate::space::{TileGrid, TileId};
-use crate::terrain::HeightTile;
+use crate::terrain::{GroundBounds, HeightTile};
 
 /// All layers of one tile of level 0.
 #[derive(Clone, Debug)]
@@ -16,6 +16,8 @@ pub struct Tile {
     pub id: TileId,
     /// Heights and the triangles that carry them; none where the city has no ground.
     pub terrain: Option<TerrainTile>,
+    /// Maxima of the ground.
+    pub ground_bounds: Option<GroundBounds>,
     /// Building map and pyramid; none where no building stands.
     pub buildings: Option<MapTile>,
     /// Orthophoto; none where there is none.
@@ -25,7 +27,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Puts the layers together: the one place where a tile's bounds and its pyramid are made.
+    /// Puts the layers together: the one place where a tile's bounds and its pyramids are made.
     pub fn new(
         id: TileId,
         terrain: Option<TerrainTile>,
@@ -38,9 +40,13 @@ impl Tile {
         if let Some(MapTile { pyramid, .. }) = &buildings {
             (min, max) = (min.min(pyramid.low()), max.max(pyramid.top()));
         }
+        let ground_bounds = terrain
+            .as_ref()
+            .map(|terrain| GroundBounds::from_heights(&terrain.ground));
         Self {
             id,
             terrain,
+            ground_bounds,
             buildings,
             imagery,
             height_range: [min, max],

@@ -2,7 +2,7 @@
 
 mod contact_sheet;
 mod error;
-mod files;
+mod image_files;
 mod flare_pass;
 mod frame;
 mod intermediate;
@@ -11,9 +11,9 @@ mod still;
 
 pub use contact_sheet::{ContactSheet, contact_sheet};
 pub use error::RenderError;
-pub use files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};
 pub use flare_pass::FlareSettings;
 pub use frame::FrameRequest;
+pub use image_files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};
 pub use intermediate::{DEBUG_VIEW, DebugFrame, DebugView, Intermediate};
 pub use renderer::Renderer;
 pub use still::Still;

@@ -8,13 +8,13 @@
 mod blocks;
 mod buildings;
 mod features;
-mod files;
+mod source_files;
 mod landscape;
 mod noise;
-mod imagery;
+mod orthophoto;
 mod shapes;
 mod town;
 
 pub use features::{SampleBuilding, Tree};
-pub use files::{SampleFiles, write_sample};
+pub use source_files::{SampleFiles, write_sample};
 pub use town::Town;

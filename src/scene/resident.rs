@@ -11,7 +11,6 @@ use super::tile_set::{GroundTile, TileSet, WalkTile};
 use crate::city::{City, CityError, Tile};
 use crate::gpu::{Gpu, filled_texture};
 use crate::space::TileId;
-use crate::terrain::GroundBounds;
 
 /// A resident city.
 pub struct Resident {
@@ -60,33 +59,24 @@ impl Resident {
         let mut tiles = TileSet::new(manifest.grid);
         let mut table = vec![[NONE, NONE, NONE, 0]; ids.len()];
         for (batch, entries) in ids.chunks(BATCH).zip(table.chunks_mut(BATCH)) {
-            let loaded: Vec<(Tile, Option<GroundBounds>)> = batch
+            let loaded: Vec<Tile> = batch
                 .par_iter()
-                .map(|&id| {
-                    let tile = city.tile(id)?;
-                    let terrain = tile.terrain.as_ref();
-                    let bounds = terrain.map(|terrain| GroundBounds::from_heights(&terrain.ground));
-                    Ok((tile, bounds))
-                })
+                .map(|&id| city.tile(id))
                 .collect::<Result<_, CityError>>()?;
-            for ((tile, bounds), entry) in loaded.into_iter().zip(entries) {
+            for (tile, entry) in loaded.into_iter().zip(entries) {
                 let slot = tile.buildings.as_ref().map(|map| maps.put(gpu, map));
                 let layer = tile.imagery.map(|image| imagery.put(gpu, image));
-                let terrain = tile.terrain.as_ref().zip(bounds.as_ref());
+                let terrain = tile.terrain.as_ref().zip(tile.ground_bounds.as_ref());
                 let terrain = terrain.and_then(|(terrain, bounds)| ground.put(gpu, tile.id, terrain, bounds));
                 let indices = [slot, layer, terrain].map(|index| index.map_or(NONE, |index| index as i32));
                 *entry = [indices[0], indices[1], indices[2], 0];
-                let walked = tile.terrain.zip(bounds).map(|(terrain, bounds)| GroundTile {
+                let ground = tile.terrain.zip(tile.ground_bounds);
+                let ground = ground.map(|(terrain, bounds)| GroundTile {
                     heights: terrain.ground,
                     bounds,
                 });
-                tiles.put(
-                    tile.id,
-                    WalkTile {
-                        ground: walked,
-                        buildings: tile.buildings,
-                    },
-                );
+                let buildings = tile.buildings;
+                tiles.put(tile.id, WalkTile { ground, buildings });
             }
             // So that the device frees the staging memory of the uploads.
             gpu.queue.submit([]);

@@ -18,7 +18,7 @@ pub use error::{SourceError, SourceRole};
 pub use footprint::{Footprint, HeightOrigin, RoofSpec};
 pub use height_rule::{HeightField, HeightReading, HeightRule};
 pub use listed::listed;
-pub use raster::{Dtm, DtmSampler, Imagery, SampleLattice, SteppedHeights};
+pub use raster::{Dtm, DtmSampler, ImageryMosaic, SampleLattice, SteppedHeights};
 pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FieldCount, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource,

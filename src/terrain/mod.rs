@@ -5,14 +5,14 @@
 //! ("global vertex displacement", KR 10-0738500): the same vertex shader draws the regular grid (`grid`) and the TIN (`tin`).
 
 mod fill;
-mod grid;
+mod grid_mesh;
 mod ground_bounds;
 mod height_tile;
 mod profile;
 mod tin;
 
 pub use fill::fill_gaps;
-pub use grid::grid_triangles;
+pub use grid_mesh::grid_triangles;
 pub use ground_bounds::GroundBounds;
 pub use height_tile::HeightTile;
 pub use tin::{Apron, tin_triangles};

@@ -1,9 +1,9 @@
 //! Survey files to a city folder, tile by tile.
 //!
 //! ```text
-//! footprints ───────────────┐
-//! DTM ─▶ terrain tiles ─▶ bases ─▶ footprint dataset ─▶ building-map tiles ─▶ manifest
-//! orthophotos ─▶ orthophoto tiles ─────────────────────────────────────────────┘
+//! footprints ──────────────┐
+//! DTM ─▶ terrain ─▶ ground ─▶ footprint dataset (bases, roofs) ─▶ tiles ─▶ manifest
+//! orthophotos ─────────────────────────────────────────────────────┘
 //! ```
 //! The footprint source is read twice: for outlines and heights, and, when the ground has told which of them are
 //! buildings, for their attributes, which are never held in memory.
@@ -11,23 +11,23 @@
 //! Memory: the footprints, 192 MiB of ground and a few tiles a thread. All cores. Everything goes to a staging
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
-mod buildings;
+mod dataset_of_record;
 mod options;
-mod imagery;
 mod plan;
 mod progress;
 mod warnings;
 mod sources;
 mod spacing;
 mod terrain;
+mod tiles;
 
-use buildings::{make_building_maps, make_footprint_dataset};
-use imagery::make_imagery;
+use dataset_of_record::make_footprint_dataset;
 use options::{cache_key, check_numbers, refuse_inputs_inside};
 use plan::{Plan, rejected};
 use progress::progress;
 use sources::Sources;
 use terrain::make_terrain;
+use tiles::make_tiles;
 use warnings::source_warnings;
 
 pub use options::{ImportOptions, Setting};
@@ -37,6 +37,7 @@ use super::geotiff::GeoKeys;
 use super::ground::Ground;
 use super::manifest::FORMAT;
 use super::staging::Staging;
+use super::writer::TileWriter;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
 use crate::source::{Footprint, HeightRule};
@@ -96,7 +97,14 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         plan.terrain_side,
         plan.terrain_step_m,
     );
-    let terrain = make_terrain(&sources, options, &plan, folder, &keys, &ground)?;
+    let writer = TileWriter {
+        folder,
+        grid: plan.grid,
+        terrain_side: plan.terrain_side,
+        terrain_step_m: plan.terrain_step_m,
+        keys: &keys,
+    };
+    let terrain = make_terrain(&sources, options, &plan, &writer, &ground)?;
     if terrain.tiles == 0 {
         return Err(CityError::NoGround {
             path: options.terrain[0].clone(),
@@ -110,8 +118,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             rejected: rejected(&report),
         });
     }
-    let (building_map_bytes, building_tiles) = make_building_maps(&buildings, &plan, folder, &keys)?;
-    let (imagery_side, imagery_tiles) = make_imagery(&sources, &plan, folder, &keys)?;
+    let tiles = make_tiles(&sources, &plan, &buildings, &writer)?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
     let bounds = plan.grid.bounds();
     warnings.extend(source_warnings(&sources, options.keep_steps, &bounds, &place)?);
@@ -133,16 +140,16 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         terrain_step_m: plan.terrain_step_m,
         terrain_side: plan.terrain_side,
         terrain_error_m: options.terrain_error_m,
-        imagery_side,
+        imagery_side: tiles.imagery_side,
         levels: 1,
         terrain_tiles: terrain.tiles,
-        building_tiles,
-        imagery_tiles,
+        building_tiles: tiles.buildings,
+        imagery_tiles: tiles.imagery,
         buildings: buildings.len() as u64,
         default_height_m: options.default_height_m,
         terrain_triangles: terrain.triangles,
         grid_triangles: terrain.grid_triangles,
-        building_map_bytes,
+        building_map_bytes: tiles.building_map_bytes,
         triangle_bytes: buildings
             .iter()
             .map(|building| triangle_bytes(&building.outline))

@@ -2,7 +2,7 @@
 
 use super::ImportOptions;
 use crate::city::{CityError, OperationRecord};
-use crate::source::{CrsChoice, Dtm, FootprintSource, Imagery, SteppedHeights};
+use crate::source::{CrsChoice, Dtm, FootprintSource, ImageryMosaic, SteppedHeights};
 use crate::space::{Crs, GeoArea, Operation, OperationWarning};
 
 /// Opened sources.
@@ -14,7 +14,7 @@ pub struct Sources {
     /// Footprints.
     pub buildings: FootprintSource,
     /// Orthophotos.
-    pub imagery: Option<Imagery>,
+    pub imagery: Option<ImageryMosaic>,
     /// The city's.
     pub crs: Crs,
 }
@@ -48,7 +48,7 @@ impl Sources {
         let crs = crs.used_in(city_area(built_area, dtm.area_on_globe().ok()));
         let imagery_crs = CrsChoice::new(parse(&options.imagery_crs)?, Some(&crs));
         let imagery = (!options.imagery.is_empty())
-            .then(|| Imagery::open(&options.imagery, &imagery_crs, &crs))
+            .then(|| ImageryMosaic::open(&options.imagery, &imagery_crs, &crs))
             .transpose()?;
         Ok(Self {
             dtm,
@@ -61,7 +61,7 @@ impl Sources {
 
     /// How the coordinates of each kind of source come into the city's CRS, and what is worth knowing of it.
     pub fn operations(&self) -> Result<(Vec<OperationRecord>, Vec<OperationWarning>), CityError> {
-        let imagery = self.imagery.iter().flat_map(Imagery::all_crs);
+        let imagery = self.imagery.iter().flat_map(ImageryMosaic::all_crs);
         let sources = (self.dtm.all_crs().map(|crs| ("terrain", crs)))
             .chain([("buildings", self.buildings.crs())])
             .chain(imagery.map(|crs| ("photo", crs)));

@@ -1,6 +1,5 @@
 //! Terrain tiles: sampled, filled, tessellated.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -11,11 +10,9 @@ use super::ImportOptions;
 use super::plan::Plan;
 use super::progress::progress;
 use super::sources::Sources;
-use crate::city::CityError;
-use crate::city::codec::{self, TerrainTile};
-use crate::city::geotiff::GeoKeys;
 use crate::city::ground::Ground;
-use crate::city::store::{Layer, tile_path};
+use crate::city::writer::TileWriter;
+use crate::city::{CityError, TerrainTile, Tile};
 use crate::source::DtmSampler;
 use crate::space::TileId;
 use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, tin_triangles};
@@ -37,8 +34,7 @@ pub fn make_terrain(
     sources: &Sources,
     options: &ImportOptions,
     plan: &Plan,
-    folder: &Path,
-    keys: &GeoKeys,
+    writer: &TileWriter<'_>,
     ground: &Ground,
 ) -> Result<TerrainTotals, CityError> {
     let tiles: Vec<TileId> = plan.grid.tiles().collect();
@@ -51,14 +47,10 @@ pub fn make_terrain(
         .map_init(
             || dtm.sampler(crs),
             |sampler, &id| -> Result<(), CityError> {
-                let path = tile_path(folder, Layer::Terrain, id);
                 // A tile that an interrupted import left unreadable is made again.
-                let left = path
-                    .exists()
-                    .then(|| codec::read_terrain(&path, plan.terrain_side, plan.terrain_step_m).ok())
-                    .flatten();
-                let tile = if left.is_some() {
-                    left
+                let known = writer.terrain(id);
+                let terrain = if known.is_some() {
+                    known
                 } else {
                     let sampler = match sampler {
                         Ok(sampler) => sampler,
@@ -66,17 +58,16 @@ pub fn make_terrain(
                     };
                     let (tile, filled) = terrain_tile(sampler, plan, id, options.terrain_error_m)?;
                     totals[3].fetch_add(filled, Ordering::Relaxed);
-                    if let Some(tile) = &tile {
-                        codec::write_terrain(&path, &plan.grid.tile_bounds(id), tile, keys)?;
-                    }
                     tile
                 };
-                if let Some(tile) = &tile {
+                if let Some(terrain) = &terrain {
                     totals[0].fetch_add(1, Ordering::Relaxed);
-                    totals[1].fetch_add(tile.triangles.len() as u64, Ordering::Relaxed);
-                    totals[2].fetch_add(grid_triangles(&tile.ground).len() as u64, Ordering::Relaxed);
+                    totals[1].fetch_add(terrain.triangles.len() as u64, Ordering::Relaxed);
+                    totals[2].fetch_add(grid_triangles(&terrain.ground).len() as u64, Ordering::Relaxed);
                 }
-                ground.keep(id, tile.map(|tile| Arc::new(tile.ground)));
+                let tile = Tile::new(id, terrain, None, None);
+                writer.put(&tile)?;
+                ground.keep(id, tile.terrain.map(|terrain| Arc::new(terrain.ground)));
                 bar.inc(1);
                 Ok(())
             },

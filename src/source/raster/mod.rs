@@ -2,7 +2,7 @@
 
 mod dtm;
 mod height_steps;
-mod imagery;
+mod imagery_mosaic;
 mod mosaic_source;
 mod sampler;
 mod smoothing;
@@ -10,4 +10,4 @@ mod smoothing_grid;
 mod window;
 
 pub use dtm::{Dtm, DtmSampler, SampleLattice, SteppedHeights};
-pub use imagery::Imagery;
+pub use imagery_mosaic::ImageryMosaic;

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::linear::LinearGhost;
 use super::vertex::{FlareSource, FlareVertex};
 use crate::camera::flare::Wavelength;
-use crate::camera::rays::Bundle;
+use crate::camera::ray_bundles::Bundle;
 use crate::camera::trace::TracedRay;
 
 /// Rays row by row over a rectangle of the entrance.

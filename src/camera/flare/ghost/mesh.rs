@@ -23,7 +23,7 @@ use crate::camera::flare::{Wavelength, spectrum};
 use crate::camera::lens::D_LINE_UM;
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
-use crate::camera::rays::Bundle;
+use crate::camera::ray_bundles::Bundle;
 use crate::camera::trace::Tracer;
 use crate::gpu::GpuError;
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::grid::RayGrid;
 use crate::camera::lens::Lens;
-use crate::camera::rays::{Bundle, RayPass};
+use crate::camera::ray_bundles::{Bundle, RayPass};
 use crate::camera::trace::{Tracer, beam_direction};
 use crate::gpu::{Gpu, GpuError};
 

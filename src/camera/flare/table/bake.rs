@@ -5,7 +5,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZE, Unpacked, Values};
-use super::rays::{FlareTable, TabledGhost, between};
+use super::ray_table::{FlareTable, TabledGhost, between};
 use crate::camera::flare::ghost::grid::{RayGrid, SEARCH_RAYS};
 use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
 use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity};
@@ -13,7 +13,7 @@ use crate::camera::flare::ghost::tracing::Tracing;
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
-use crate::camera::rays::Bundle;
+use crate::camera::ray_bundles::Bundle;
 use crate::camera::trace::{TracedRay, Tracer, beam_direction};
 use crate::gpu::GpuError;
 

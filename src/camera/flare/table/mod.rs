@@ -10,11 +10,11 @@ mod file;
 mod image_bake;
 mod images;
 mod photos;
-mod rays;
+mod ray_table;
 mod knot;
 
 pub use file::{TableError, TableFile, open_table, write_table};
 pub use image_bake::{ImageKnots, bake_images};
 pub use images::{ImageTable, LightImage};
 pub use photos::table_from_photos;
-pub use rays::FlareTable;
+pub use ray_table::FlareTable;

@@ -11,12 +11,12 @@ use crate::space::{Bounds, Crs, PointTransform};
 
 /// Imagery files, in the order given; later ones lie on top.
 #[derive(Clone, Debug)]
-pub struct Imagery {
-    files: Vec<PhotoFile>,
+pub struct ImageryMosaic {
+    files: Vec<ImageryFile>,
 }
 
 #[derive(Clone, Debug)]
-struct PhotoFile {
+struct ImageryFile {
     path: PathBuf,
     bounds: Bounds,
     pixel_m: f64,
@@ -30,12 +30,12 @@ struct PhotoFile {
     to_city: Option<String>,
 }
 
-impl Imagery {
+impl ImageryMosaic {
     /// Opens the headers; `city` is the CRS the orthophotos will be drawn in.
     pub fn open(files: &[PathBuf], choice: &CrsChoice, city: &Crs) -> Result<Self, SourceError> {
         let files = files
             .iter()
-            .map(|path| PhotoFile::open(path, choice, city))
+            .map(|path| ImageryFile::open(path, choice, city))
             .collect::<Result<_, _>>()?;
         Ok(Self { files })
     }
@@ -53,8 +53,8 @@ impl Imagery {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// True when a orthophoto may cover part of the rectangle.
-    pub fn meet(&self, bounds: &Bounds) -> bool {
+    /// True when an orthophoto may cover part of the rectangle.
+    pub fn meets(&self, bounds: &Bounds) -> bool {
         self.files.iter().any(|file| file.bounds.meets(bounds))
     }
 
@@ -75,7 +75,7 @@ impl Imagery {
     }
 }
 
-impl PhotoFile {
+impl ImageryFile {
     fn open(path: &Path, choice: &CrsChoice, city: &Crs) -> Result<Self, SourceError> {
         let open_error = |error: gdal::errors::GdalError| SourceError::Open {
             path: path.to_owned(),

@@ -1,4 +1,4 @@
-// Square grids of rays over parts of the entrance, one grid a bundle. Host: src/camera/rays.rs.
+// Square grids of rays over parts of the entrance, one grid a bundle. Host: src/camera/ray_bundles.rs.
 
 struct Bundle {
     // Least and greatest coordinates of the grid on the plane of the first vertex, millimetres.

@@ -11,8 +11,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::features::SampleBuilding;
-use super::imagery::paint;
 use super::landscape::{HEIGHT_M, WIDTH_M, ground};
+use super::orthophoto::paint;
 use super::town::Town;
 use crate::source::{SourceError, gdal_reference};
 use crate::space::Crs;

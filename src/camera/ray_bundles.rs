@@ -45,7 +45,7 @@ pub struct InterfaceRecord {
     pub padding: u32,
 }
 
-/// Layout of `Bundle` in `shaders/camera/rays.wgsl`.
+/// Layout of `Bundle` in `shaders/camera/ray_bundles.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 #[allow(missing_docs)]

@@ -1,0 +1,74 @@
+//! Writes tiles into a city folder in the making, and reads back what an interrupted import left there.
+
+use std::path::{Path, PathBuf};
+
+use super::codec::{self, ImageryTile, TerrainTile};
+use super::geotiff::GeoKeys;
+use super::store::{Layer, tile_path};
+use super::{CityError, Tile};
+use crate::space::{TileGrid, TileId};
+
+/// A folder, and what all its tiles have in common.
+pub struct TileWriter<'a> {
+    /// The folder.
+    pub folder: &'a Path,
+    /// The tile grid.
+    pub grid: TileGrid,
+    /// Terrain samples along a tile's side.
+    pub terrain_side: usize,
+    /// Distance between them, metres.
+    pub terrain_step_m: f64,
+    /// The CRS.
+    pub keys: &'a GeoKeys,
+}
+
+impl TileWriter<'_> {
+    /// Where a layer of a tile lies.
+    pub fn path(&self, layer: Layer, id: TileId) -> PathBuf {
+        tile_path(self.folder, layer, id)
+    }
+
+    /// Terrain that is there already; none where it is not or cannot be read, and is to be made again.
+    pub fn terrain(&self, id: TileId) -> Option<TerrainTile> {
+        codec::read_terrain(
+            &self.path(Layer::Terrain, id),
+            self.terrain_side,
+            self.terrain_step_m,
+        )
+        .ok()
+    }
+
+    /// An orthophoto of `side` pixels that is there already, as for [`Self::terrain`].
+    pub fn imagery(&self, id: TileId, side: usize) -> Option<ImageryTile> {
+        codec::read_imagery(&self.path(Layer::Imagery, id), side).ok()
+    }
+
+    /// Writes the layers of a tile. What is there already stays as it is: ground and orthophoto, which follow from the sources
+    /// alone, and a building map that is the same.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn put(&self, tile: &Tile) -> Result<(), CityError> {
+        let bounds = self.grid.tile_bounds(tile.id);
+        let path = |layer| self.path(layer, tile.id);
+        if let Some(terrain) = &tile.terrain {
+            if self.terrain(tile.id).is_none() {
+                codec::write_terrain(&path(Layer::Terrain), &bounds, terrain, self.keys)?;
+            }
+        }
+        if let Some(buildings) = &tile.buildings {
+            let map = &buildings.map;
+            let path = path(Layer::Buildings);
+            let known = codec::read_buildings(&path, map.side, f64::from(map.texel_m));
+            if known.ok().as_ref() != Some(map) {
+                codec::write_buildings(&path, &bounds, map, self.keys)?;
+            }
+        }
+        if let Some(imagery) = &tile.imagery {
+            if self.imagery(tile.id, imagery.side).is_none() {
+                codec::write_imagery(&path(Layer::Imagery), &bounds, imagery, self.keys)?;
+            }
+        }
+        Ok(())
+    }
+}
