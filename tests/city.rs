@@ -190,7 +190,7 @@ fn damaged_tiles_are_named_and_links_are_not_followed() {
         .manifest()
         .grid
         .tiles()
-        .find(|&tile| opened.has_buildings(tile))
+        .find(|&tile| opened.has(rilievo::city::Layer::Buildings, tile))
         .unwrap();
     let path = city.join(format!("buildings/0/{}_{}.tif", tile.x, tile.y));
     let whole = fs::read(&path).unwrap();
@@ -231,7 +231,7 @@ fn the_pyramid_bounds_every_texel_and_words_name_real_buildings() {
             continue;
         };
         let pyramid = Pyramid::from_map(&map, map.lowest_base());
-        let coarsest = (pyramid.top() - map.lowest_base()) / 253.99 + 1e-3;
+        let coarsest = (pyramid.max_height() - map.lowest_base()) / 253.99 + 1e-3;
         for (cell, &word) in map.cells.iter().enumerate() {
             if CellKind::from_code(word) == CellKind::Empty {
                 continue;

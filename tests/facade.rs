@@ -69,7 +69,7 @@ fn the_facade_coordinate_is_metres_along_the_outline() {
         let sun = Sun::from_azimuth_altitude(200.0, 40.0);
         renderer.still(&support::request(&camera, &sun, SIZE), 1).unwrap();
         let targets = renderer.relief_targets().unwrap();
-        let surfaces = read_texture::<[u32; 4]>(&renderer.gpu, &targets.relief.texture).unwrap();
+        let surfaces = read_texture::<[u32; 4]>(&renderer.gpu, &targets.building_surface.texture).unwrap();
         let shown = read_texture::<u32>(&renderer.gpu, &targets.id.texture).unwrap();
         let projection = camera.projection(SIZE);
         // Per building: where the survey has a wall's point along its ring, and the facade coordinate of the image.

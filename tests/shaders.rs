@@ -8,7 +8,7 @@ use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, RayRecord};
 use rilievo::output::DebugFrame;
 use rilievo::relief::{Anchor, FrameUniforms};
-use rilievo::scene::{GroundRecord, TileSlot, VertexRecord};
+use rilievo::scene::{GroundRecord, TileRecord, VertexRecord};
 
 fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
@@ -128,7 +128,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "size" = size,
             "jitter" = jitter,
             "texel_m" = texel_m,
-            "top_level" = top_level,
+            "tile_texels_log2" = tile_texels_log2,
             "max_roof" = max_roof,
             "min_ground" = min_ground,
             "terrain_step_m" = terrain_step_m,
@@ -153,8 +153,8 @@ fn records_are_laid_out_alike_on_both_sides() {
         ["scale" = scale, "flare_scale" = flare_scale, "padding" = padding]
     );
     same_layout!(
-        "TileSlot",
-        TileSlot,
+        "TileRecord",
+        TileRecord,
         [
             "vertex_base" = vertex_base,
             "list_base" = list_base,
@@ -163,17 +163,17 @@ fn records_are_laid_out_alike_on_both_sides() {
         ]
     );
     same_layout!(
-        "OutlineVertex",
+        "VertexRecord",
         VertexRecord,
         ["position" = position, "roof_m" = roof_m, "fid" = fid,]
     );
     same_layout!(
-        "GroundTile",
+        "GroundRecord",
         GroundRecord,
         ["tile" = tile, "layer" = layer, "mesh_parts" = mesh_parts]
     );
     same_layout!(
-        "Interface",
+        "InterfaceRecord",
         InterfaceRecord,
         [
             "gap_mm" = gap_mm,
@@ -191,7 +191,7 @@ fn records_are_laid_out_alike_on_both_sides() {
         ]
     );
     same_layout!(
-        "Bundle",
+        "BundleRecord",
         BundleRecord,
         [
             "min_mm" = min_mm,
@@ -229,7 +229,7 @@ fn records_are_laid_out_alike_on_both_sides() {
         ]
     );
     same_layout!(
-        "TracedRay",
+        "RayRecord",
         RayRecord,
         [
             "sensor_mm" = sensor_mm,
@@ -293,21 +293,21 @@ fn declared_kind(module: &naga::Module, variable: &naga::GlobalVariable) -> Stri
 #[test]
 fn bindings_are_what_the_layouts_say() {
     use rilievo::camera::flare::FLARE_INPUT;
-    use rilievo::camera::{Accumulate, RayPass, ToneMap};
+    use rilievo::camera::{AccumulatePass, RayPass, ToneMapPass};
     use rilievo::output::DebugView;
-    use rilievo::relief::{CityBindings, ExactPass, PolygonsPass, ReliefPass, ShadePass};
+    use rilievo::relief::{CityBindings, ExactPass, LightPass, PolygonsPass, ReliefPass};
     let groups = |name: &str| -> Vec<&'static [wgpu::BindingType]> {
         match name {
-            "terrain/ground.wgsl" | "relief/cone.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES],
+            "relief/ground.wgsl" | "relief/cone.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES],
             "relief/exact.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &ExactPass::INPUT],
-            "relief/shade.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &ShadePass::INPUT],
+            "relief/light.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &LightPass::INPUT],
             "relief/polygons.wgsl" => vec![&ReliefPass::FRAME, &PolygonsPass::ANCHOR, &PolygonsPass::INPUT],
-            "camera/accumulate.wgsl" => vec![&Accumulate::INPUT],
-            "camera/tonemap.wgsl" => vec![&ToneMap::INPUT],
-            "camera/flare.wgsl" | "camera/sprite.wgsl" => vec![&FLARE_INPUT],
+            "camera/accumulate.wgsl" => vec![&AccumulatePass::INPUT],
+            "camera/tone_map.wgsl" => vec![&ToneMapPass::INPUT],
+            "camera/ghost.wgsl" | "camera/sprite.wgsl" => vec![&FLARE_INPUT],
             "camera/ray_bundles.wgsl" => vec![&RayPass::TYPES],
-            "debug_view.wgsl" => vec![&DebugView::INPUT],
-            "viewer/screen.wgsl" => vec![&rilievo::viewer::Blit::INPUT],
+            "output/debug_view.wgsl" => vec![&DebugView::INPUT],
+            "viewer/blit.wgsl" => vec![&rilievo::viewer::Blit::INPUT],
             other => panic!("no layouts for {other}: name them here"),
         }
     };
@@ -348,7 +348,7 @@ fn vertex_attributes_are_what_the_shaders_take() {
             size_of::<MeshVertex>(),
         ),
         (
-            "camera/flare.wgsl",
+            "camera/ghost.wgsl",
             &FlareVertex::ATTRIBUTES,
             size_of::<FlareVertex>(),
         ),

@@ -1,6 +1,6 @@
 // Square grids of rays over parts of the entrance, one grid a bundle. Host: src/camera/ray_bundles.rs.
 
-struct Bundle {
+struct BundleRecord {
     // Least and greatest coordinates of the grid on the plane of the first vertex, millimetres.
     min_mm: vec2<f32>,
     max_mm: vec2<f32>,
@@ -16,9 +16,9 @@ struct Bundle {
     padding: u32,
 }
 
-@group(0) @binding(3) var<storage, read> bundles: array<Bundle>;
+@group(0) @binding(3) var<storage, read> bundles: array<BundleRecord>;
 // Bundle after bundle, row by row.
-@group(0) @binding(4) var<storage, read_write> rays: array<TracedRay>;
+@group(0) @binding(4) var<storage, read_write> rays: array<RayRecord>;
 
 @compute @workgroup_size(WORKGROUP)
 fn cs(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -1,7 +1,7 @@
 // The building map of all resident tiles. Host: src/buildings/map.rs, which explains the codes.
 
 // A record is read as one vector of 16 bytes: a software device reads each member of a structure on its own.
-struct TileSlot {
+struct TileRecord {
     // The tile's first outline vertex in `vertices`; its roofs stand before it, the first the nearest.
     vertex_base: u32,
     // The tile's first code in `lists`.
@@ -11,7 +11,7 @@ struct TileSlot {
     max_height: f32,
 }
 
-struct OutlineVertex {
+struct VertexRecord {
     // Metres from the tile's south-west corner; 0 in the record of a roof.
     position: vec2<f32>,
     // Elevation of the building's roof, its id.
@@ -31,18 +31,18 @@ struct OutlineVertex {
 // Metres along its outline, for every vertex.
 @group(1) @binding(6) var<storage, read> along_outline: array<f32>;
 
-fn slot_at(index: i32) -> TileSlot {
+fn slot_at(index: i32) -> TileRecord {
     let record = slots[index];
-    return TileSlot(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w));
+    return TileRecord(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w));
 }
 
-fn vertex_at(index: u32) -> OutlineVertex {
+fn vertex_at(index: u32) -> VertexRecord {
     let record = vertices[index];
-    return OutlineVertex(bitcast<vec2<f32>>(record.xy), bitcast<f32>(record.z), record.w);
+    return VertexRecord(bitcast<vec2<f32>>(record.xy), bitcast<f32>(record.z), record.w);
 }
 
 // A roof's record in `vertices`.
-fn roof_index(slot: TileSlot, building: u32) -> u32 { return slot.vertex_base - 1u - building; }
+fn roof_index(slot: TileRecord, building: u32) -> u32 { return slot.vertex_base - 1u - building; }
 
 // Four rows of four bytes, from the south-west.
 fn node_at(node: vec2<i32>, level: u32, slot_index: i32) -> vec4<u32> {
@@ -54,7 +54,7 @@ fn node_at(node: vec2<i32>, level: u32, slot_index: i32) -> vec4<u32> {
 }
 
 // Bound on the roofs of a node's child, in metres above the tile's lowest ground: (byte - 1) of these steps.
-fn step_of(slot: TileSlot) -> f32 { return max((slot.max_height - slot.min_height) / PYRAMID_STEPS, 0.0); }
+fn step_of(slot: TileRecord) -> f32 { return max((slot.max_height - slot.min_height) / PYRAMID_STEPS, 0.0); }
 
 fn child_byte(rows: vec4<u32>, child: vec2<i32>) -> u32 {
     let local = vec2<u32>(child) & vec2<u32>(3u);

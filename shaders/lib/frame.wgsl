@@ -24,7 +24,7 @@ struct Frame {
     jitter: vec2<f32>,
     texel_m: f32,
     // log2 of the texels along a tile's side.
-    top_level: u32,
+    tile_texels_log2: u32,
     // Highest roof and lowest ground of the city's tiles with buildings, metres above the eye.
     max_roof: f32,
     min_ground: f32,

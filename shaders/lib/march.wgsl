@@ -18,7 +18,7 @@ struct Hit {
     // Index into `vertices` of the wall's first vertex, ROOF for a roof.
     edge: u32,
     // Metres along the wall from that corner, 0 on a roof.
-    along_m: f32,
+    along_wall_m: f32,
 }
 
 const ROOF: u32 = 0xffffffffu;
@@ -38,7 +38,7 @@ fn slack(t: f32) -> f32 { return SLACK.x + SLACK.y * t; }
 
 // First hit of the ray with the roofs and walls of one texel, between t0 and t1.
 // `start` is the ray's start in the tile's local coordinates.
-fn visit_cell(code: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
+fn visit_cell(code: u32, cell: vec2<i32>, slot: TileRecord, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
     var best = MISS;
     let from_t = t0 - slack(t0);
     let to_t = t1 + slack(t1);
@@ -114,7 +114,7 @@ fn visit_cell(code: u32, cell: vec2<i32>, slot: TileSlot, ray: Ray, start: vec2<
 }
 
 // Twin: Pyramid::top_level.
-fn top_node_level() -> u32 { return frame.top_level / 2u; }
+fn top_node_level() -> u32 { return frame.tile_texels_log2 / 2u; }
 
 fn nearer(t: vec2<f32>, end: f32) -> f32 { return min(min(t.x, t.y), end); }
 
@@ -138,13 +138,13 @@ struct Walk {
 }
 
 // The beginning of the ray's way through a tile from t0 to t1.
-fn enter_tile(slot_index: i32, slot: TileSlot, corner: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> Walk {
+fn enter_tile(slot_index: i32, slot: TileRecord, corner: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> Walk {
     let start = ray.start.xy - corner;
     // Begin with nodes about as large as the way to go: a short way need not come down from the tile's top.
-    let reach = length(ray.direction.xy) * (t1 - t0) / frame.texel_m;
-    let level = u32(clamp(ceil(0.5 * log2(max(reach, 1.0))) - 1.0, 0.0, f32(top_node_level())));
+    let texels = length(ray.direction.xy) * (t1 - t0) / frame.texel_m;
+    let level = u32(clamp(ceil(0.5 * log2(max(texels, 1.0))) - 1.0, 0.0, f32(top_node_level())));
     let place = (start + t0 * ray.direction.xy) / frame.texel_m;
-    let texel = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << frame.top_level) - 1));
+    let texel = clamp(vec2<i32>(floor(place)), vec2<i32>(0), vec2<i32>((1 << frame.tile_texels_log2) - 1));
     let step_m = step_of(slot);
     let floor_z = slot.min_height - step_m - frame.eye_elevation - ray.start.z;
     return Walk(slot_index, start, floor_z, t0, t1, level, texel >> vec2<u32>(2u * level + 2u), step_m, false, vec2<i32>(0), t0);
@@ -191,7 +191,7 @@ fn next_texel(walk: ptr<function, Walk>, ray: Ray) {
             continuing { break if dips || left || t >= t1; }
         }
         found = dips && level == 0u;
-        let tiles_children = (1 << frame.top_level) >> (2u * level);
+        let tiles_children = (1 << frame.tile_texels_log2) >> (2u * level);
         let gone = !dips && (t >= t1 || any(child < vec2<i32>(0)) || any(child >= vec2<i32>(tiles_children)));
         // Down into the child; or over to the next node, and up when that has another parent.
         let next = child >> vec2<u32>(2u);
@@ -214,7 +214,7 @@ fn next_texel(walk: ptr<function, Walk>, ray: Ray) {
 // First hit within one tile between t0 and t1. Stepping and visiting are loops of their own: lanes that have found a texel
 // wait for the others, so that the costly visit is made together (Aila & Laine 2009, "while-while"). All loops here test at
 // their end: a software device runs a body that it tests at the top once more than needed.
-fn walk_tile(slot_index: i32, slot: TileSlot, tile: vec2<i32>, ray: Ray, t0: f32, t1: f32) -> Hit {
+fn walk_tile(slot_index: i32, slot: TileRecord, tile: vec2<i32>, ray: Ray, t0: f32, t1: f32) -> Hit {
     var walk = enter_tile(slot_index, slot, tile_corner(tile), ray, t0, t1);
     var hit = MISS;
     var visits = 0u;
@@ -289,5 +289,5 @@ fn hit_normal(hit: Hit) -> vec3<f32> {
 // Facade coordinate of what was hit: metres along the building's outline, 0 on a roof.
 fn facade_coordinate(hit: Hit) -> f32 {
     if hit.edge == ROOF { return 0.0; }
-    return along_outline[hit.edge] + hit.along_m;
+    return along_outline[hit.edge] + hit.along_wall_m;
 }

@@ -1,13 +1,13 @@
 // The terrain of all resident tiles. Host: src/scene/ground_tiles.rs.
 
-struct GroundTile {
+struct GroundRecord {
     tile: vec2<i32>,
     layer: u32,
     // Parts that the mesh divides a cell's side into.
     mesh_parts: u32,
 }
 
-@group(1) @binding(7) var<storage, read> ground_tiles: array<GroundTile>;
+@group(1) @binding(7) var<storage, read> ground_tiles: array<GroundRecord>;
 // Metres above the vertical datum, a sample a texel, row by row from the south.
 @group(1) @binding(8) var heights: texture_2d_array<f32>;
 // Highest ground of square blocks, GROUND_BLOCKS along a tile's side on level 0.

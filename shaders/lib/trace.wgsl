@@ -1,7 +1,7 @@
 // Exact rays through a lens, surface after surface, f32. Twin: src/camera/trace.rs, where the method and its sources are told.
 
 // One meeting of a path with a surface, in the order that the light goes.
-struct Interface {
+struct InterfaceRecord {
     // Distance along the axis from the surface before, signed, millimetres.
     gap_mm: f32,
     // 1 / radius; conic constant; clear radius (millimetres).
@@ -22,7 +22,7 @@ struct Interface {
     padding: u32,
 }
 
-struct TracedRay {
+struct RayRecord {
     // On the sensor and in the stop, millimetres.
     sensor_mm: vec2<f32>,
     stop_mm: vec2<f32>,
@@ -34,7 +34,7 @@ struct TracedRay {
     padding: u32,
 }
 
-@group(0) @binding(0) var<storage, read> interfaces: array<Interface>;
+@group(0) @binding(0) var<storage, read> interfaces: array<InterfaceRecord>;
 // Index, thickness in micrometres.
 @group(0) @binding(1) var<storage, read> films: array<vec2<f32>>;
 @group(0) @binding(2) var<storage, read> terms: array<f32>;
@@ -42,7 +42,7 @@ struct TracedRay {
 const NEWTON_STEPS: u32 = 8u;
 
 // Height over the vertex plane, and the gradient over x, y; z is 0 where there is no surface.
-fn sag_and_slope(face: Interface, square: f32) -> vec3<f32> {
+fn sag_and_slope(face: InterfaceRecord, square: f32) -> vec3<f32> {
     let c = face.curvature;
     let inside = 1.0 - (1.0 + face.conic) * c * c * square;
     if inside <= 0.0 { return vec3<f32>(0.0); }
@@ -60,7 +60,7 @@ fn sag_and_slope(face: Interface, square: f32) -> vec3<f32> {
     return vec3<f32>(sag, slope, 1.0);
 }
 
-fn normal_at(face: Interface, at: vec3<f32>) -> vec3<f32> {
+fn normal_at(face: InterfaceRecord, at: vec3<f32>) -> vec3<f32> {
     if face.term_count == 0u {
         let c = face.curvature;
         return normalize(vec3<f32>(-c * at.xy, 1.0 - c * (1.0 + face.conic) * at.z));
@@ -70,7 +70,7 @@ fn normal_at(face: Interface, at: vec3<f32>) -> vec3<f32> {
 }
 
 // Where the ray meets the surface; w is 0 where it does not.
-fn meet(face: Interface, start: vec3<f32>, d: vec3<f32>) -> vec4<f32> {
+fn meet(face: InterfaceRecord, start: vec3<f32>, d: vec3<f32>) -> vec4<f32> {
     if d.z == 0.0 { return vec4<f32>(0.0); }
     let on_plane = start - d * (start.z / d.z);
     let c = face.curvature;
@@ -93,7 +93,7 @@ fn meet(face: Interface, start: vec3<f32>, d: vec3<f32>) -> vec4<f32> {
 
 // Fraction of unpolarised power that is reflected. Twin: src/camera/lens/coating.rs; a film's matrix is
 // [[cos, i a], [i b, cos]] with real a, b also beyond its limit of total reflection.
-fn reflectance(face: Interface, cos_incidence: f32, wavelength_um: f32) -> f32 {
+fn reflectance(face: InterfaceRecord, cos_incidence: f32, wavelength_um: f32) -> f32 {
     let n1 = face.index_before;
     let n2 = face.index_after;
     if abs(n1 - n2) < 1.0e-7 { return 0.0; }
@@ -127,11 +127,11 @@ fn reflectance(face: Interface, cos_incidence: f32, wavelength_um: f32) -> f32 {
 }
 
 // Follows a ray from the plane of the first vertex through `count` interfaces to the sensor.
-fn trace(first: u32, count: u32, entry_mm: vec2<f32>, direction: vec3<f32>, sensor_gap_mm: f32, wavelength_um: f32) -> TracedRay {
-    let lost = TracedRay(vec2<f32>(0.0), vec2<f32>(0.0), 0.0, 0.0, LOST, 0u);
+fn trace(first: u32, count: u32, entry_mm: vec2<f32>, direction: vec3<f32>, sensor_gap_mm: f32, wavelength_um: f32) -> RayRecord {
+    let lost = RayRecord(vec2<f32>(0.0), vec2<f32>(0.0), 0.0, 0.0, LOST, 0u);
     var at = vec3<f32>(entry_mm, 0.0);
     var d = direction;
-    var ray = TracedRay(vec2<f32>(0.0), vec2<f32>(0.0), 0.0, 0.0, 1.0, 0u);
+    var ray = RayRecord(vec2<f32>(0.0), vec2<f32>(0.0), 0.0, 0.0, 1.0, 0u);
     var past_stop = false;
     for (var k = 0u; k < count; k += 1u) {
         let face = interfaces[first + k];

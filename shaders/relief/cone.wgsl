@@ -15,7 +15,7 @@ const NOTHING: f32 = -1.0e9;
 // Bound on the roofs of a pyramid block, metres above the vertical datum, by its place in a grid of such blocks over the whole
 // city.
 fn highest_of(block: vec2<i32>, level: u32) -> f32 {
-    let shift = vec2<u32>(frame.top_level - level);
+    let shift = vec2<u32>(frame.tile_texels_log2 - level);
     let tile = block >> shift;
     if any(tile < vec2<i32>(0)) || any(tile >= frame.grid) { return NOTHING; }
     let slot = textureLoad(tile_table, tile, 0).x;
@@ -74,7 +74,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
         last_reach(deepest, frame.max_roof, d.z, spread),
     );
     let fastest = max(abs(d.x), abs(d.y)) + 2.0 * spread;
-    var level = frame.top_level;
+    var level = frame.tile_texels_log2;
     for (var i = 0u; i < MAX_CONE_STEPS && t < end; i += 1u) {
         let size = frame.texel_m * f32(1u << level);
         // So far that what the cone sweeps in plan is no wider than a block.
@@ -87,7 +87,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
         let base = vec2<f32>(frame.eye_in_tile);
         let from_block = vec2<i32>(floor((base + min(t * d.xy, t_next * d.xy) - radius) / size));
         let to_block = vec2<i32>(floor((base + max(t * d.xy, t_next * d.xy) + radius) / size));
-        let origin = frame.eye_tile << vec2<u32>(frame.top_level - level);
+        let origin = frame.eye_tile << vec2<u32>(frame.tile_texels_log2 - level);
         let highest = max(
             max(highest_of(origin + from_block, level), highest_of(origin + vec2<i32>(to_block.x, from_block.y), level)),
             max(highest_of(origin + vec2<i32>(from_block.x, to_block.y), level), highest_of(origin + to_block, level)),
@@ -95,7 +95,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
         let lowest = min(t * d.z, t_next * d.z) - radius;
         if lowest > highest - frame.eye_elevation {
             t = t_next;
-            level = min(level + 1u, frame.top_level);
+            level = min(level + 1u, frame.tile_texels_log2);
         } else if level > 1u && 0.5 * size >= WIDTH_IN_RADII * (spread * t + CONE_SLACK) {
             level -= 1u;
         } else {

@@ -1,13 +1,13 @@
 //! The building map: footprints rasterised per tile, with the exact outline list in every texel an outline
-//! crosses (DESIGN: the building map). Change a footprint and only its texels change.
+//! crosses. Change a footprint and only its texels change.
 
-mod base;
+mod building;
 mod map;
 mod map_tile;
 mod pyramid;
 mod rasterise;
 
-pub use base::{Building, NoGround, base_of, triangle_bytes};
+pub use building::{Building, NoGround, base_of, triangle_bytes};
 pub use map::{BuildingMap, CELL, CellFields, CellKind, OutlineVertex, RoofRecord, Run};
 pub use map_tile::MapTile;
 pub use pyramid::{Pyramid, STEPS as PYRAMID_STEPS};

@@ -109,12 +109,12 @@ impl Pyramid {
     }
 
     /// The tile's lowest ground, metres.
-    pub fn low(&self) -> f32 {
+    pub fn min_height(&self) -> f32 {
         self.low
     }
 
     /// Highest roof of the tile, metres; negative infinity without buildings.
-    pub fn top(&self) -> f32 {
+    pub fn max_height(&self) -> f32 {
         self.high
     }
 
@@ -171,7 +171,7 @@ mod tests {
             let map = scattered(side);
             let low = map.lowest_base();
             let pyramid = Pyramid::from_map(&map, low);
-            let step = (pyramid.top() - low) / STEPS;
+            let step = (pyramid.max_height() - low) / STEPS;
             for level in 0..=Pyramid::top_level(side) {
                 let children = side >> (2 * level);
                 assert!(children >= 1, "side {side}, level {level}");

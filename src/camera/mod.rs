@@ -8,9 +8,9 @@
 //!                  flare ─┴▶ tone_map ─▶ image
 //! ```
 
-mod accumulate;
+mod accumulate_pass;
 mod diagram;
-mod exposure;
+mod auto_exposure;
 pub mod flare;
 pub mod lens;
 mod paraxial;
@@ -18,13 +18,13 @@ mod optics;
 mod path;
 mod ray_bundles;
 mod shaders;
-mod tone_map;
+mod tone_map_pass;
 mod tone_curve;
 mod trace;
 
-pub use accumulate::Accumulate;
+pub use accumulate_pass::AccumulatePass;
+pub use auto_exposure::auto_exposure;
 pub use diagram::lens_diagram;
-pub use exposure::auto_exposure;
 pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics};
 pub use paraxial::{
     Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
@@ -33,5 +33,5 @@ pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use ray_bundles::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
 pub use tone_curve::{START_COMPRESSION, shoulder, srgb, tone_curve, tone_mapped};
-pub use tone_map::{Exposure, ToneMap};
+pub use tone_map_pass::{Exposure, ToneMapPass};
 pub use trace::{TracedRay, Tracer, beam_direction};

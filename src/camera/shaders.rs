@@ -2,16 +2,7 @@
 
 use super::ray_bundles::{LOST, REFLECTS, STOP, WORKGROUP};
 use super::tone_curve::START_COMPRESSION;
-use crate::gpu::{Constant, ConstantValue, ShaderSource};
-
-macro_rules! file {
-    ($path:literal) => {
-        (
-            $path,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)),
-        )
-    };
-}
+use crate::gpu::{Constant, ConstantValue, ShaderSource, shader_file};
 
 /// What these shaders share with Rust.
 const CONSTANTS: &[Constant] = &[
@@ -26,40 +17,46 @@ const CONSTANTS: &[Constant] = &[
 pub const ACCUMULATE: ShaderSource = ShaderSource {
     name: "camera/accumulate.wgsl",
     constants: CONSTANTS,
-    files: &[file!("fullscreen.wgsl"), file!("camera/accumulate.wgsl")],
+    files: &[
+        shader_file!("fullscreen.wgsl"),
+        shader_file!("camera/accumulate.wgsl"),
+    ],
 };
 
 /// Exposure and tone mapping.
-pub const TONEMAP: ShaderSource = ShaderSource {
-    name: "camera/tonemap.wgsl",
+pub const TONE_MAP: ShaderSource = ShaderSource {
+    name: "camera/tone_map.wgsl",
     constants: CONSTANTS,
     files: &[
-        file!("fullscreen.wgsl"),
-        file!("lib/tone_curve.wgsl"),
-        file!("camera/tonemap.wgsl"),
+        shader_file!("fullscreen.wgsl"),
+        shader_file!("lib/tone_curve.wgsl"),
+        shader_file!("camera/tone_map.wgsl"),
     ],
 };
 
 /// Ghosts.
-pub const FLARE: ShaderSource = ShaderSource {
-    name: "camera/flare.wgsl",
+pub const GHOST: ShaderSource = ShaderSource {
+    name: "camera/ghost.wgsl",
     constants: CONSTANTS,
-    files: &[file!("camera/flare.wgsl")],
+    files: &[shader_file!("camera/ghost.wgsl")],
 };
 
 /// An image laid on the film.
 pub const SPRITE: ShaderSource = ShaderSource {
     name: "camera/sprite.wgsl",
     constants: CONSTANTS,
-    files: &[file!("camera/sprite.wgsl")],
+    files: &[shader_file!("camera/sprite.wgsl")],
 };
 
 /// Grids of rays.
 pub const RAYS: ShaderSource = ShaderSource {
     name: "camera/ray_bundles.wgsl",
     constants: CONSTANTS,
-    files: &[file!("lib/trace.wgsl"), file!("camera/ray_bundles.wgsl")],
+    files: &[
+        shader_file!("lib/trace.wgsl"),
+        shader_file!("camera/ray_bundles.wgsl"),
+    ],
 };
 
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 5] = [ACCUMULATE, TONEMAP, FLARE, SPRITE, RAYS];
+pub const ALL: [ShaderSource; 5] = [ACCUMULATE, TONE_MAP, GHOST, SPRITE, RAYS];

@@ -1,5 +1,6 @@
 //! `city.toml`: what the city is and where it came from.
 
+use super::layer::Layer;
 use serde::{Deserialize, Serialize};
 
 use crate::source::{FootprintReport, HeightRule};
@@ -71,7 +72,7 @@ pub struct Manifest {
 /// One source file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SourceRecord {
-    /// `terrain`, `buildings` or `orthophoto`.
+    /// The layer made of it: `terrain`, `buildings` or `photo`.
     pub role: String,
     /// File name as given.
     pub path: String,
@@ -114,6 +115,17 @@ impl OperationRecord {
             _ if self.ballpark => Accuracy::Ballpark,
             Some(metres) => Accuracy::Metres(metres),
             None => Accuracy::Unknown,
+        }
+    }
+}
+
+impl Manifest {
+    /// Tiles of a layer.
+    pub fn tile_count(&self, layer: Layer) -> u64 {
+        match layer {
+            Layer::Terrain => self.terrain_tiles,
+            Layer::Buildings => self.building_tiles,
+            Layer::Imagery => self.imagery_tiles,
         }
     }
 }

@@ -1,12 +1,12 @@
-//! The city folder: one folder is one city, every file a standard format (DESIGN: the city folder).
+//! The city folder: one folder is one city, every file a standard format.
 
 mod codec;
 mod error;
 mod geotiff;
-mod ground;
+mod layer;
 mod import;
 mod manifest;
-mod raised;
+mod raised_footprints;
 mod staging;
 mod store;
 mod tile;
@@ -15,7 +15,8 @@ mod writer;
 pub use codec::{ImageryTile, TerrainTile};
 pub use error::CityError;
 pub use import::{ImportOptions, ImportReport, ImportWarning, Setting, import};
+pub use layer::Layer;
 pub use manifest::{Manifest, OperationRecord, SourceRecord};
-pub use raised::{RaisedFootprints, building_map, buildings_by_tile, raise_footprints};
+pub use raised_footprints::{RaisedFootprints, building_map, buildings_by_tile, raise_footprints};
 pub use store::City;
 pub use tile::{Tile, ground_at};

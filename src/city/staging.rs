@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::CityError;
+use super::layer::Layer;
 
 /// A city in the making.
 pub struct Staging {
@@ -14,6 +15,8 @@ pub struct Staging {
 }
 
 const CACHE_KEY: &str = "import.cache_key";
+/// Files of a city folder, beside its layers' folders.
+const FILES: [&str; 2] = ["city.toml", "buildings.gpkg"];
 
 impl Staging {
     /// Opens the staging folder of `target`. Tiles left by an import with the same `cache_key` (its options and its
@@ -28,10 +31,7 @@ impl Staging {
                 });
             }
         }
-        refuse_foreign(
-            target,
-            &["city.toml", "buildings.gpkg", "terrain", "buildings", "photo"],
-        )?;
+        refuse_foreign(target, &[])?;
         refuse_edited(target)?;
         let mut name = target.file_name().unwrap_or_default().to_owned();
         if name.is_empty() {
@@ -42,23 +42,12 @@ impl Staging {
         name.push(".partial");
         let folder = target.with_file_name(name);
         let cache_key_path = folder.join(CACHE_KEY);
-        refuse_foreign(
-            &folder,
-            &[
-                CACHE_KEY,
-                "city.toml",
-                "buildings.gpkg",
-                "buildings.gpkg-journal",
-                "terrain",
-                "buildings",
-                "photo",
-            ],
-        )?;
+        refuse_foreign(&folder, &[CACHE_KEY, "buildings.gpkg-journal"])?;
         if folder.exists() && fs::read_to_string(&cache_key_path).ok().as_deref() != Some(cache_key) {
             fs::remove_dir_all(&folder).map_err(CityError::file(&folder))?;
         }
-        for layer in ["terrain/0", "buildings/0", "photo/0"] {
-            let path = folder.join(layer);
+        for layer in Layer::ALL {
+            let path = folder.join(layer.name()).join("0");
             fs::create_dir_all(&path).map_err(CityError::file(&path))?;
         }
         fs::write(&cache_key_path, cache_key).map_err(CityError::file(&cache_key_path))?;
@@ -96,13 +85,16 @@ impl Staging {
     }
 }
 
-/// Refuses a folder that holds what no import made: it would be lost.
-fn refuse_foreign(folder: &Path, own: &[&str]) -> Result<(), CityError> {
+/// Refuses a folder that holds what no import made, besides `more`: it would be lost.
+fn refuse_foreign(folder: &Path, more: &[&str]) -> Result<(), CityError> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Ok(());
     };
     for entry in entries.flatten() {
-        if !own.iter().any(|name| entry.file_name() == **name) {
+        let name = entry.file_name();
+        let is_layer = Layer::ALL.iter().any(|layer| name == layer.name());
+        let is_file = FILES.iter().chain(more).any(|file| name == **file);
+        if !is_layer && !is_file {
             return Err(CityError::Foreign { path: entry.path() });
         }
     }

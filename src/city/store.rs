@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::codec::{self, ImageryTile, TerrainTile};
+use super::layer::Layer;
 use super::manifest::FORMAT;
 use super::{CityError, Manifest, Tile};
 use crate::buildings::BuildingMap;
@@ -15,33 +16,9 @@ pub struct City {
     manifest: Manifest,
 }
 
-/// The three layers of the tile grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layer {
-    /// Ground heights.
-    Terrain,
-    /// Building map.
-    Buildings,
-    /// Aerial orthophoto.
-    Imagery,
-}
-
-/// Where a tile's file lies under a city folder.
-pub fn tile_path(folder: &Path, layer: Layer, tile: TileId) -> PathBuf {
-    let layer = match layer {
-        Layer::Terrain => "terrain",
-        Layer::Buildings => "buildings",
-        Layer::Imagery => "photo",
-    };
-    folder
-        .join(layer)
-        .join(tile.level.to_string())
-        .join(format!("{}_{}.tif", tile.x, tile.y))
-}
-
 /// Largest counts a manifest may ask a reader to allocate for.
 const MAX_TILE_SAMPLES: usize = 8192;
-/// Most texels along a tile's side: the guard on the steps of a walk (`MAX_STEPS` in `relief::march`) stands on it.
+/// Most texels along a tile's side: the guard on the steps of a walk (`MAX_STEPS` in `relief::constants`) stands on it.
 const MAX_TILE_TEXELS: usize = 2048;
 
 impl City {
@@ -104,7 +81,7 @@ impl City {
 
     /// A tile's path, when it exists as a plain file.
     fn existing(&self, layer: Layer, tile: TileId) -> Option<PathBuf> {
-        let path = tile_path(&self.folder, layer, tile);
+        let path = layer.tile_path(&self.folder, tile);
         // A link could lead the reader out of the folder.
         let kind = std::fs::symlink_metadata(&path).ok()?;
         kind.is_file().then_some(path)
@@ -112,30 +89,13 @@ impl City {
 
     /// Fails when tiles that the manifest counts are gone.
     pub fn require_all_tiles(&self) -> Result<(), CityError> {
-        let count = |has: &dyn Fn(TileId) -> bool| {
-            self.manifest.grid.tiles().filter(|&tile| has(tile)).count() as u64
-        };
-        let manifest = &self.manifest;
-        for (layer, found, expected) in [
-            (
-                "terrain",
-                count(&|tile| self.has_terrain(tile)),
-                manifest.terrain_tiles,
-            ),
-            (
-                "buildings",
-                count(&|tile| self.has_buildings(tile)),
-                manifest.building_tiles,
-            ),
-            (
-                "photo",
-                count(&|tile| self.has_imagery(tile)),
-                manifest.imagery_tiles,
-            ),
-        ] {
+        for layer in Layer::ALL {
+            let tiles = self.manifest.grid.tiles();
+            let found = tiles.filter(|&tile| self.has(layer, tile)).count() as u64;
+            let expected = self.manifest.tile_count(layer);
             if found != expected {
                 return Err(CityError::Tile {
-                    path: self.folder.join(layer),
+                    path: self.folder.join(layer.name()),
                     why: format!("{found} tiles of {expected} are there"),
                 });
             }
@@ -143,19 +103,10 @@ impl City {
         Ok(())
     }
 
-    /// True when the tile has ground.
-    pub fn has_terrain(&self, tile: TileId) -> bool {
-        self.existing(Layer::Terrain, tile).is_some()
-    }
-
-    /// True when a building stands on the tile.
-    pub fn has_buildings(&self, tile: TileId) -> bool {
-        self.existing(Layer::Buildings, tile).is_some()
-    }
-
-    /// True when the tile has an orthophoto.
-    pub fn has_imagery(&self, tile: TileId) -> bool {
-        self.manifest.imagery_side > 0 && self.existing(Layer::Imagery, tile).is_some()
+    /// True when the tile has this layer.
+    pub fn has(&self, layer: Layer, tile: TileId) -> bool {
+        let is_kept = layer != Layer::Imagery || self.manifest.imagery_side > 0;
+        is_kept && self.existing(layer, tile).is_some()
     }
 
     /// Ground of a tile, none where the city has none.

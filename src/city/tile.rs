@@ -38,7 +38,7 @@ impl Tile {
         let buildings = map.map(|map| MapTile::new(map, ground.map(|[lowest, _]| lowest)));
         let [mut min, mut max] = ground.unwrap_or([f32::INFINITY, f32::NEG_INFINITY]);
         if let Some(MapTile { pyramid, .. }) = &buildings {
-            (min, max) = (min.min(pyramid.low()), max.max(pyramid.top()));
+            (min, max) = (min.min(pyramid.min_height()), max.max(pyramid.max_height()));
         }
         let ground_bounds = terrain
             .as_ref()

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::codec::{self, ImageryTile, TerrainTile};
 use super::geotiff::GeoKeys;
-use super::store::{Layer, tile_path};
+use super::layer::Layer;
 use super::{CityError, Tile};
 use crate::space::{TileGrid, TileId};
 
@@ -25,7 +25,7 @@ pub struct TileWriter<'a> {
 impl TileWriter<'_> {
     /// Where a layer of a tile lies.
     pub fn path(&self, layer: Layer, id: TileId) -> PathBuf {
-        tile_path(self.folder, layer, id)
+        layer.tile_path(self.folder, id)
     }
 
     /// Terrain that is there already; none where it is not or cannot be read, and is to be made again.
@@ -51,10 +51,10 @@ impl TileWriter<'_> {
     pub fn put(&self, tile: &Tile) -> Result<(), CityError> {
         let bounds = self.grid.tile_bounds(tile.id);
         let path = |layer| self.path(layer, tile.id);
-        if let Some(terrain) = &tile.terrain {
-            if self.terrain(tile.id).is_none() {
-                codec::write_terrain(&path(Layer::Terrain), &bounds, terrain, self.keys)?;
-            }
+        if let Some(terrain) = &tile.terrain
+            && self.terrain(tile.id).is_none()
+        {
+            codec::write_terrain(&path(Layer::Terrain), &bounds, terrain, self.keys)?;
         }
         if let Some(buildings) = &tile.buildings {
             let map = &buildings.map;
@@ -64,10 +64,10 @@ impl TileWriter<'_> {
                 codec::write_buildings(&path, &bounds, map, self.keys)?;
             }
         }
-        if let Some(imagery) = &tile.imagery {
-            if self.imagery(tile.id, imagery.side).is_none() {
-                codec::write_imagery(&path(Layer::Imagery), &bounds, imagery, self.keys)?;
-            }
+        if let Some(imagery) = &tile.imagery
+            && self.imagery(tile.id, imagery.side).is_none()
+        {
+            codec::write_imagery(&path(Layer::Imagery), &bounds, imagery, self.keys)?;
         }
         Ok(())
     }

@@ -28,8 +28,8 @@ pub fn print(options: &ImportOptions, report: &ImportReport) {
     say!("  footprints read  {}", footprints.read);
     say!("  kept             {}", footprints.kept);
     say!("  heights          {}", heights(footprints));
-    counted("mended", &footprints.repaired);
-    counted("left out", &footprints.rejected);
+    counted("repaired", &footprints.repaired);
+    counted("rejected", &footprints.rejected);
     counted("default height", &footprints.default_heights);
     for field in footprints.heights.iter().filter(|field| field.unusable > 0) {
         let FieldCount { field, unusable, .. } = field;

@@ -15,6 +15,7 @@ pub use by_size::BySize;
 pub use device::{Gpu, GpuError};
 pub use pipeline::PipelineParameters;
 pub use readback::{read_buffer, read_texture};
+pub(crate) use shader::shader_file;
 pub use shader::{Constant, ConstantValue, ShaderFile, ShaderSource, shader_module};
 pub use target::{Target, blended_target, color_target};
 pub use timing::{PassTimer, PassTimes};

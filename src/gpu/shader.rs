@@ -9,6 +9,17 @@ use super::Gpu;
 /// A file under `shaders/`: its path there and its text.
 pub type ShaderFile = (&'static str, &'static str);
 
+/// The shader file of a path under `shaders/`.
+macro_rules! shader_file {
+    ($path:literal) => {
+        (
+            $path,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)),
+        )
+    };
+}
+pub(crate) use shader_file;
+
 /// A value that shaders share with Rust.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConstantValue {

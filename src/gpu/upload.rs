@@ -124,10 +124,10 @@ impl TextureArray {
         gpu: &Gpu,
         label: &'static str,
         format: wgpu::TextureFormat,
-        [width, height]: [u32; 2],
-        levels: u32,
-        layers: u32,
+        size: [u32; 2],
+        [levels, layers]: [u32; 2],
     ) -> Result<Self, GpuError> {
+        let [width, height] = size;
         let limits = gpu.device.limits();
         gpu.require(
             label,

@@ -1,8 +1,8 @@
 //! The conductor: the passes of a frame in their order.
 //!
 //! ```text
-//! every sample:  ground ─▶ buildings (cone, exact | polygons) ─▶ light ─▶ sum ─┐
-//! then:                                      flare (sun through the lens) ─────┴▶ tone map ─▶ image
+//! every sample:  ground ─▶ buildings (cone, exact | polygons) ─▶ light ─▶ accumulate ─┐
+//! then:                                             flare (sun through the lens) ─────┴▶ tone map ─▶ image
 //! ```
 //! A frame is a sample and the image of all samples so far. It reads nothing back and allocates nothing on the device.
 
@@ -10,14 +10,18 @@ use glam::DVec2;
 
 use super::{FlareSettings, RenderError, Renderer};
 use crate::camera::Camera;
-use crate::relief::{ReliefMode, ReliefView, sun_seen_from};
+use crate::relief::{ReliefMode, ReliefView, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
 
-/// Timed passes of a frame.
-pub(super) const PASSES: [&str; 6] = ["ground", "buildings", "light", "sum", "flare", "tone map"];
-const SUM: u32 = 3;
-const FLARE: u32 = 4;
-const TONE_MAP: u32 = 5;
+const RELIEF: usize = TIMED_PASSES.len();
+/// Timed passes of a frame: the relief's, then the camera's.
+pub(super) const PASSES: [&str; RELIEF + 3] = {
+    let [ground, buildings, light] = TIMED_PASSES;
+    [ground, buildings, light, "accumulate", "flare", "tone map"]
+};
+const ACCUMULATE: u32 = RELIEF as u32;
+const FLARE: u32 = ACCUMULATE + 1;
+const TONE_MAP: u32 = ACCUMULATE + 2;
 
 /// What to draw.
 #[derive(Clone, Copy)]
@@ -78,7 +82,8 @@ impl Renderer {
         };
         self.relief
             .encode(&self.gpu, encoder, &self.resident, &view, &self.timer);
-        self.accumulate.encode(encoder, sample, self.timer.pass(SUM));
+        self.accumulate
+            .encode(encoder, sample, self.timer.pass(ACCUMULATE));
     }
 
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {

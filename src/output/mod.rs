@@ -5,15 +5,15 @@ mod error;
 mod image_files;
 mod flare_pass;
 mod frame;
-mod intermediate;
+mod debug_view;
 mod renderer;
 mod still;
 
 pub use contact_sheet::{ContactSheet, contact_sheet};
+pub use debug_view::{DEBUG_VIEW, DebugFrame, DebugView, Intermediate};
 pub use error::RenderError;
 pub use flare_pass::FlareSettings;
 pub use frame::FrameRequest;
 pub use image_files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};
-pub use intermediate::{DEBUG_VIEW, DebugFrame, DebugView, Intermediate};
 pub use renderer::Renderer;
 pub use still::Still;

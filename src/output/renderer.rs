@@ -4,11 +4,11 @@
 use glam::{DVec2, DVec3};
 
 use super::RenderError;
+use super::debug_view::DebugView;
 use super::flare_pass::FlarePass;
 use super::frame::PASSES;
-use super::intermediate::DebugView;
 use crate::buildings::Building;
-use crate::camera::{Accumulate, ToneMap};
+use crate::camera::{AccumulatePass, ToneMapPass};
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
 use crate::relief::{ReliefPass, ReliefTargets, building_mesh};
@@ -21,9 +21,9 @@ pub struct Renderer {
     /// The city's tiles.
     pub resident: Resident,
     pub(super) relief: ReliefPass,
-    pub(super) accumulate: Accumulate,
+    pub(super) accumulate: AccumulatePass,
     pub(super) flare: FlarePass,
-    pub(super) tone_map: ToneMap,
+    pub(super) tone_map: ToneMapPass,
     pub(super) debug_view: DebugView,
     pub(super) timer: PassTimer,
     size: [u32; 2],
@@ -38,9 +38,9 @@ impl Renderer {
         let resident = Resident::load(&gpu, city, mesh)?;
         let renderer = Self {
             relief: ReliefPass::new(&gpu, &resident),
-            accumulate: Accumulate::new(&gpu),
+            accumulate: AccumulatePass::new(&gpu),
             flare: FlarePass::new(&gpu),
-            tone_map: ToneMap::new(&gpu),
+            tone_map: ToneMapPass::new(&gpu),
             debug_view: DebugView::new(&gpu),
             timer: PassTimer::new(&gpu, &PASSES),
             size: [0; 2],

@@ -27,6 +27,9 @@ pub struct PassContext<'a> {
     pub timer: &'a PassTimer,
 }
 
+/// The relief's timed passes: their names by their numbers.
+pub const TIMED_PASSES: [&str; 3] = ["ground", "buildings", "light"];
+
 /// The numbers of the relief's timed passes.
 pub mod pass_number {
     /// The ground.

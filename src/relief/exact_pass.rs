@@ -64,7 +64,7 @@ impl ExactPass {
     /// Encodes the pass: the end of the buildings' time.
     pub fn encode(&self, context: &mut PassContext<'_>) {
         let timestamps = context.timer.pass_end(pass_number::BUILDINGS);
-        let mut pass = context.targets.begin_relief_pass(context.encoder, timestamps);
+        let mut pass = context.targets.begin_buildings_pass(context.encoder, timestamps);
         pass.set_pipeline(&self.overflow);
         pass.set_bind_group(0, context.frame, &[]);
         pass.set_bind_group(1, context.city, &[]);

@@ -202,9 +202,9 @@ fn walk_tile(tile: &MapTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2], reads: &m
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
     // Begin with nodes about as large as the way to go: a short way need not come down from the tile's top.
-    let reach = ray.direction.xy().length() * (t1 - t0) / map.texel_m;
+    let texels = ray.direction.xy().length() * (t1 - t0) / map.texel_m;
     let top = Pyramid::top_level(map.side);
-    let mut level = ((0.5 * reach.max(1.0).log2()).ceil() - 1.0).clamp(0.0, top as f32) as u32;
+    let mut level = ((0.5 * texels.max(1.0).log2()).ceil() - 1.0).clamp(0.0, top as f32) as u32;
     let place = (start + t0 * ray.direction.xy()) / map.texel_m;
     let most = IVec2::splat(map.side as i32 - 1);
     let mut node = place.floor().as_ivec2().clamp(IVec2::ZERO, most) >> (2 * level + 2);
@@ -301,8 +301,8 @@ pub fn walk_city(
         if let Some(map) = tiles.at(tile).and_then(|tile| tile.buildings.as_ref()) {
             *reads += 1;
             // Of the path through the tile only what lies between its lowest ground and its highest roof.
-            let t_low = (map.pyramid.low() - eye.elevation - ray.start.z) / ray.direction.z;
-            let t_high = (map.pyramid.top() - eye.elevation - ray.start.z) / ray.direction.z;
+            let t_low = (map.pyramid.min_height() - eye.elevation - ray.start.z) / ray.direction.z;
+            let t_high = (map.pyramid.max_height() - eye.elevation - ray.start.z) / ray.direction.z;
             let (t_first, t_last) = (t_low.min(t_high), t_low.max(t_high));
             let from_t = t.max(t_first - slack(t_first.abs()));
             let to_t = t_out.min(t_last + slack(t_last.abs()));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! ground_pass ─▶ distance, normal ─┬──────────────────────────────────────────────────┐
-//!                                  └▶ cone_pass ─▶ exact_pass | polygons_pass ─▶ shade_pass ─▶ radiance, distance, id
+//!                                  └▶ cone_pass ─▶ exact_pass | polygons_pass ─▶ light_pass ─▶ radiance, distance, id
 //! ```
 //! One traversal on the CPU as well: `march` past the buildings, `ground_march` past the terrain; `cast` is what others call.
 
@@ -20,7 +20,7 @@ mod ground_pass;
 mod march;
 mod pass;
 mod polygons_pass;
-mod shade_pass;
+mod light_pass;
 mod shaders;
 mod sun_visibility;
 mod targets;
@@ -29,13 +29,14 @@ pub use building_mesh::{BuildingMesh, MeshVertex, building_mesh};
 pub use cast::{cast_buildings, cast_ground, is_open, pick};
 pub use city_bindings::CityBindings;
 pub use constants::FAR;
+pub use context::TIMED_PASSES;
 pub use exact_pass::ExactPass;
 pub use frame_uniforms::FrameUniforms;
 pub use grid_position::GridPosition;
+pub use light_pass::LightPass;
 pub use march::{Hit, SurfaceHit};
 pub use pass::{ReliefMode, ReliefPass, ReliefView};
 pub use polygons_pass::{Anchor, PolygonsPass};
-pub use shade_pass::ShadePass;
 pub use shaders::ALL as SHADERS;
 pub use sun_visibility::sun_seen_from;
 pub use targets::ReliefTargets;

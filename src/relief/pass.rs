@@ -6,8 +6,8 @@ use super::cone_pass::ConePass;
 use super::context::{PassContext, pass_number};
 use super::exact_pass::ExactPass;
 use super::ground_pass::GroundPass;
+use super::light_pass::LightPass;
 use super::polygons_pass::PolygonsPass;
-use super::shade_pass::ShadePass;
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
 use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
@@ -45,7 +45,7 @@ pub struct ReliefPass {
     ground: GroundPass,
     cone: ConePass,
     exact: ExactPass,
-    shade: ShadePass,
+    shade: LightPass,
     polygons: Option<PolygonsPass>,
     targets: BySize<ReliefTargets>,
 }
@@ -53,8 +53,6 @@ pub struct ReliefPass {
 impl ReliefPass {
     /// Group 0: the frame.
     pub const FRAME: [wgpu::BindingType; 1] = [UNIFORM];
-    /// Timed passes, in the order of their numbers.
-    pub const PASSES: [&str; 3] = ["ground", "buildings", "light"];
 
     /// Compiles the pipelines.
     pub fn new(gpu: &Gpu, resident: &Resident) -> Self {
@@ -68,7 +66,7 @@ impl ReliefPass {
             ground: GroundPass::new(gpu, layouts),
             cone: ConePass::new(gpu, layouts),
             exact: ExactPass::new(gpu, layouts),
-            shade: ShadePass::new(gpu, layouts),
+            shade: LightPass::new(gpu, layouts),
             polygons: None,
             targets: BySize::default(),
             frame_layout,
@@ -141,7 +139,7 @@ impl ReliefPass {
             (ReliefMode::Polygons, Some(polygons)) => polygons.encode(&mut context),
             (ReliefMode::Polygons, None) => {
                 let timestamps = timer.pass(pass_number::BUILDINGS);
-                drop(targets.begin_relief_pass(context.encoder, timestamps));
+                drop(targets.begin_buildings_pass(context.encoder, timestamps));
             }
             (ReliefMode::Exact, _) => {
                 self.cone.encode(&mut context);

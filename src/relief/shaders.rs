@@ -1,26 +1,17 @@
 //! Which libraries each shader is linked from.
 
 use super::constants::CONSTANTS;
-use crate::gpu::ShaderSource;
-
-macro_rules! file {
-    ($path:literal) => {
-        (
-            $path,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)),
-        )
-    };
-}
+use crate::gpu::{ShaderSource, shader_file};
 
 /// The ground.
 pub const GROUND: ShaderSource = ShaderSource {
-    name: "terrain/ground.wgsl",
+    name: "relief/ground.wgsl",
     constants: CONSTANTS,
     files: &[
-        file!("lib/frame.wgsl"),
-        file!("lib/building_map.wgsl"),
-        file!("lib/terrain.wgsl"),
-        file!("terrain/ground.wgsl"),
+        shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/building_map.wgsl"),
+        shader_file!("lib/terrain.wgsl"),
+        shader_file!("relief/ground.wgsl"),
     ],
 };
 
@@ -29,10 +20,10 @@ pub const CONE: ShaderSource = ShaderSource {
     name: "relief/cone.wgsl",
     constants: CONSTANTS,
     files: &[
-        file!("lib/frame.wgsl"),
-        file!("lib/building_map.wgsl"),
-        file!("fullscreen.wgsl"),
-        file!("relief/cone.wgsl"),
+        shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/building_map.wgsl"),
+        shader_file!("fullscreen.wgsl"),
+        shader_file!("relief/cone.wgsl"),
     ],
 };
 
@@ -41,10 +32,10 @@ pub const EXACT: ShaderSource = ShaderSource {
     name: "relief/exact.wgsl",
     constants: CONSTANTS,
     files: &[
-        file!("lib/frame.wgsl"),
-        file!("lib/building_map.wgsl"),
-        file!("lib/march.wgsl"),
-        file!("relief/exact.wgsl"),
+        shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/building_map.wgsl"),
+        shader_file!("lib/march.wgsl"),
+        shader_file!("relief/exact.wgsl"),
     ],
 };
 
@@ -52,24 +43,27 @@ pub const EXACT: ShaderSource = ShaderSource {
 pub const POLYGONS: ShaderSource = ShaderSource {
     name: "relief/polygons.wgsl",
     constants: CONSTANTS,
-    files: &[file!("lib/frame.wgsl"), file!("relief/polygons.wgsl")],
+    files: &[
+        shader_file!("lib/frame.wgsl"),
+        shader_file!("relief/polygons.wgsl"),
+    ],
 };
 
 /// Lighting.
-pub const SHADE: ShaderSource = ShaderSource {
-    name: "relief/shade.wgsl",
+pub const LIGHT: ShaderSource = ShaderSource {
+    name: "relief/light.wgsl",
     constants: CONSTANTS,
     files: &[
-        file!("lib/frame.wgsl"),
-        file!("lib/building_map.wgsl"),
-        file!("lib/terrain.wgsl"),
-        file!("lib/march.wgsl"),
-        file!("lib/ground_march.wgsl"),
-        file!("lib/sky.wgsl"),
-        file!("fullscreen.wgsl"),
-        file!("relief/shade.wgsl"),
+        shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/building_map.wgsl"),
+        shader_file!("lib/terrain.wgsl"),
+        shader_file!("lib/march.wgsl"),
+        shader_file!("lib/ground_march.wgsl"),
+        shader_file!("lib/sky.wgsl"),
+        shader_file!("fullscreen.wgsl"),
+        shader_file!("relief/light.wgsl"),
     ],
 };
 
 /// Every shader of the relief pass.
-pub const ALL: [ShaderSource; 5] = [GROUND, CONE, EXACT, POLYGONS, SHADE];
+pub const ALL: [ShaderSource; 5] = [GROUND, CONE, EXACT, POLYGONS, LIGHT];

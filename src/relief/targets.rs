@@ -40,7 +40,7 @@ pub struct ReliefTargets {
     /// Per block of pixels: metres along its view rays without a building.
     pub cone_distance: Target,
     /// Buildings: bits of the metres along the view ray, id, bits of the facade coordinate, packed normal.
-    pub relief: Target,
+    pub building_surface: Target,
     /// Linear radiance.
     pub radiance: Target,
     /// Metres along the view ray of what is seen, 3e38 for sky.
@@ -65,7 +65,7 @@ impl ReliefTargets {
                 size.map(|side| side.div_ceil(CONE_PIXELS)),
                 Format::R32Float,
             ),
-            relief: target("relief", Format::Rgba32Uint),
+            building_surface: target("building surface", Format::Rgba32Uint),
             radiance: target("radiance", Format::Rgba16Float),
             distance: target("distance", Format::R32Float),
             id: target("id", Format::R32Uint),
@@ -73,14 +73,14 @@ impl ReliefTargets {
     }
 
     /// Begins the pass that draws buildings, with its targets cleared.
-    pub fn begin_relief_pass<'a>(
+    pub fn begin_buildings_pass<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> wgpu::RenderPass<'a> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("relief"),
-            color_attachments: &[self.relief.cleared(wgpu::Color {
+            label: Some("buildings"),
+            color_attachments: &[self.building_surface.cleared(wgpu::Color {
                 r: f64::from(FAR.to_bits()),
                 ..wgpu::Color::TRANSPARENT
             })],

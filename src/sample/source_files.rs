@@ -89,19 +89,18 @@ fn crs() -> Result<gdal::spatial_ref::SpatialRef, SourceError> {
 }
 
 /// Creates a GeoTIFF, replacing an older one.
+/// `placement`: west and north edge and a pixel's side, metres. `shape`: columns, rows, bands.
 fn create_tiff<T: gdal::raster::GdalType>(
     path: &Path,
-    [west, north]: [f64; 2],
-    pixel_m: f64,
-    size: [usize; 2],
-    bands: usize,
+    [west, north, pixel_m]: [f64; 3],
+    [columns, rows, bands]: [usize; 3],
     options: &[&str],
 ) -> Result<gdal::Dataset, SourceError> {
     let create = || -> Result<gdal::Dataset, gdal::errors::GdalError> {
         let driver = DriverManager::get_driver_by_name("GTiff")?;
         let options: RasterCreationOptions = options.iter().copied().collect();
         let mut dataset =
-            driver.create_with_band_type_with_options::<T, _>(path, size[0], size[1], bands, &options)?;
+            driver.create_with_band_type_with_options::<T, _>(path, columns, rows, bands, &options)?;
         dataset.set_geo_transform(&[west, pixel_m, 0.0, north, 0.0, -pixel_m])?;
         Ok(dataset)
     };
@@ -124,9 +123,9 @@ fn write_terrain(path: &Path) -> Result<(), SourceError> {
             ((metres * 100.0).round() / 100.0) as f32
         })
         .collect();
-    let corner = [ORIGIN.x, ORIGIN.y + HEIGHT_M];
+    let placement = [ORIGIN.x, ORIGIN.y + HEIGHT_M, TERRAIN_PIXEL_M];
     let options = ["COMPRESS=DEFLATE", "PREDICTOR=3", "TILED=YES"];
-    let dataset = create_tiff::<f32>(path, corner, TERRAIN_PIXEL_M, size, 1, &options)?;
+    let dataset = create_tiff::<f32>(path, placement, [size[0], size[1], 1], &options)?;
     let mut band = dataset.rasterband(1).map_err(write_error(path))?;
     let mut buffer = Buffer::new((size[0], size[1]), heights);
     band.write((0, 0), (size[0], size[1]), &mut buffer)
@@ -143,9 +142,9 @@ fn write_imagery(path: &Path, town: &Town, tile: [usize; 2]) -> Result<(), Sourc
     let west = tile[0] as f64 * width_m;
     let north = (tile[1] + 1) as f64 * height_m;
     let rgb = paint(town, west, north, size, IMAGERY_PIXEL_M);
-    let corner = [ORIGIN.x + west, ORIGIN.y + north];
+    let placement = [ORIGIN.x + west, ORIGIN.y + north, IMAGERY_PIXEL_M];
     let options = ["COMPRESS=JPEG", "JPEG_QUALITY=90", "PHOTOMETRIC=RGB", "TILED=YES"];
-    let dataset = create_tiff::<u8>(path, corner, IMAGERY_PIXEL_M, size, 3, &options)?;
+    let dataset = create_tiff::<u8>(path, placement, [size[0], size[1], 3], &options)?;
     for channel in 0..3 {
         let values: Vec<u8> = rgb.iter().skip(channel).step_by(3).copied().collect();
         let mut band = dataset.rasterband(channel + 1).map_err(write_error(path))?;

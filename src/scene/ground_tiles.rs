@@ -78,8 +78,8 @@ impl GroundUpload {
             slots: Vec::new(),
             records: Vec::new(),
             indices: Vec::new(),
-            heights: TextureArray::new(gpu, "terrain heights", format, [side; 2], 1, layers)?,
-            bounds: TextureArray::new(gpu, "terrain bounds", format, [blocks; 2], levels, layers)?,
+            heights: TextureArray::new(gpu, "terrain heights", format, [side; 2], [1, layers])?,
+            bounds: TextureArray::new(gpu, "terrain bounds", format, [blocks; 2], [levels, layers])?,
             side,
         })
     }

@@ -33,7 +33,7 @@ impl ImageryTiles {
         let side = (full_side >> dropped).max(1);
         let format = wgpu::TextureFormat::Rgba8UnormSrgb;
         Ok(Self {
-            array: TextureArray::new(gpu, "imagery", format, [side; 2], side.ilog2() + 1, layers)?,
+            array: TextureArray::new(gpu, "imagery", format, [side; 2], [side.ilog2() + 1, layers])?,
             side,
             bytes: bytes_at(side),
             dropped_levels: dropped as usize,

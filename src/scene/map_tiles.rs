@@ -6,10 +6,10 @@ use super::SceneError;
 use crate::buildings::{BuildingMap, MapTile, Pyramid};
 use crate::gpu::{Gpu, TextureArray, storage_buffer};
 
-/// Where a tile's building map lies in the shared buffers; layout of `TileSlot` in `shaders/lib/building_map.wgsl`.
+/// Where a tile's building map lies in the shared buffers; layout of `TileRecord` in `shaders/lib/building_map.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct TileSlot {
+pub struct TileRecord {
     /// First outline vertex.
     pub vertex_base: u32,
     /// First list.
@@ -34,7 +34,7 @@ pub struct VertexRecord {
 
 /// Building maps on their way to the GPU.
 pub struct MapUpload {
-    slots: Vec<TileSlot>,
+    slots: Vec<TileRecord>,
     cells: TextureArray,
     pyramid: TextureArray,
     vertices: Vec<VertexRecord>,
@@ -69,8 +69,8 @@ impl MapUpload {
         let nodes = Pyramid::image_size(side as usize).map(|count| count as u32);
         Ok(Self {
             slots: Vec::new(),
-            cells: TextureArray::new(gpu, "building map cells", cell_format, [side; 2], 1, layers)?,
-            pyramid: TextureArray::new(gpu, "building map pyramid", node_format, nodes, 1, layers)?,
+            cells: TextureArray::new(gpu, "building map cells", cell_format, [side; 2], [1, layers])?,
+            pyramid: TextureArray::new(gpu, "building map pyramid", node_format, nodes, [1, layers])?,
             vertices: Vec::new(),
             lists: Vec::new(),
             along_outline: Vec::new(),
@@ -84,11 +84,11 @@ impl MapUpload {
         self.bytes += (map.bytes() + Pyramid::bytes(map.side)) as u64;
         self.cells.write(gpu, slot, 0, &map.cells);
         self.pyramid.write(gpu, slot, 0, pyramid.nodes());
-        self.slots.push(TileSlot {
+        self.slots.push(TileRecord {
             vertex_base: (self.vertices.len() + map.roofs.len()) as u32,
             list_base: self.lists.len() as u32,
-            min_height: pyramid.low(),
-            max_height: pyramid.top(),
+            min_height: pyramid.min_height(),
+            max_height: pyramid.max_height(),
         });
         self.vertices.extend(vertex_records(map));
         self.lists.extend(&map.lists);

@@ -6,7 +6,7 @@
 //!               └▶ tile_set (CPU: rays, picking) ────────────────┴▶ Resident
 //! ```
 
-mod cull;
+mod frustum;
 mod error;
 mod ground_tiles;
 mod imagery_mips;
@@ -16,11 +16,11 @@ mod order;
 mod resident;
 mod tile_set;
 
-pub use cull::Frustum;
 pub use error::SceneError;
+pub use frustum::Frustum;
 pub use ground_tiles::{GroundRecord, GroundSlot, GroundTiles, TerrainMesh};
 pub use imagery_tiles::ImageryTiles;
-pub use map_tiles::{MapTiles, TileSlot, VertexRecord};
+pub use map_tiles::{MapTiles, TileRecord, VertexRecord};
 pub use order::nearest_first;
 pub use resident::Resident;
 pub use tile_set::{GroundTile, TileSet, WalkTile};

@@ -8,7 +8,7 @@ use super::ground_tiles::{GroundTiles, GroundUpload, TerrainMesh};
 use super::imagery_tiles::ImageryTiles;
 use super::map_tiles::{MapTiles, MapUpload};
 use super::tile_set::{GroundTile, TileSet, WalkTile};
-use crate::city::{City, CityError, Tile};
+use crate::city::{City, CityError, Layer, Tile};
 use crate::gpu::{Gpu, filled_texture};
 use crate::space::TileId;
 
@@ -48,13 +48,13 @@ impl Resident {
         city.require_all_tiles()?;
         let manifest = city.manifest();
         let ids: Vec<TileId> = manifest.grid.tiles().collect();
-        let count = |has: &dyn Fn(TileId) -> bool| ids.iter().filter(|&&id| has(id)).count() as u32;
+        let count = |layer| manifest.tile_count(layer) as u32;
         let terrain_side = manifest.terrain_side as u32;
         let tile_texels = manifest.tile_texels as u32;
-        let terrain_layers = count(&|id| city.has_terrain(id));
+        let terrain_layers = count(Layer::Terrain);
         let mut ground = GroundUpload::new(gpu, mesh, terrain_side, terrain_layers)?;
-        let mut maps = MapUpload::new(gpu, tile_texels, count(&|id| city.has_buildings(id)))?;
-        let imagery_layers = count(&|id| city.has_imagery(id));
+        let mut maps = MapUpload::new(gpu, tile_texels, count(Layer::Buildings))?;
+        let imagery_layers = count(Layer::Imagery);
         let mut imagery = ImageryTiles::new(gpu, manifest.imagery_side as u32, imagery_layers)?;
         let mut tiles = TileSet::new(manifest.grid);
         let mut table = vec![[NONE, NONE, NONE, 0]; ids.len()];

@@ -64,8 +64,8 @@ impl TileSet {
             self.max_ground = self.max_ground.max(max);
         }
         if let Some(MapTile { pyramid, .. }) = &tile.buildings {
-            self.max_roof = self.max_roof.max(pyramid.top());
-            self.min_ground = self.min_ground.min(pyramid.low());
+            self.max_roof = self.max_roof.max(pyramid.max_height());
+            self.min_ground = self.min_ground.min(pyramid.min_height());
         }
         let index = self.index(id);
         if let Some(slot) = self.tiles.get_mut(index) {

@@ -1,4 +1,4 @@
-//! One square tile grid serves terrain, buildings and orthophotos (DESIGN: the city folder).
+//! One square tile grid serves terrain, buildings and orthophotos.
 //!
 //! Level 0 is the finest; a tile of level L+1 covers 2 x 2 tiles of level L. Columns count from the
 //! west edge, rows from the south edge, so that local coordinates grow east and north.

@@ -2,23 +2,15 @@
 //! interface's own painter takes for the same pixels.
 
 use crate::gpu::{
-    FILTERED, Gpu, PipelineParameters, SAMPLER, ShaderSource, UNIFORM, Uniform, shader_module, texture,
+    FILTERED, Gpu, PipelineParameters, SAMPLER, ShaderSource, UNIFORM, Uniform, shader_file, shader_module,
+    texture,
 };
-
-macro_rules! file {
-    ($path:literal) => {
-        (
-            $path,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)),
-        )
-    };
-}
 
 /// The shader.
 pub const SCREEN: ShaderSource = ShaderSource {
-    name: "viewer/screen.wgsl",
+    name: "viewer/blit.wgsl",
     constants: &[],
-    files: &[file!("fullscreen.wgsl"), file!("viewer/screen.wgsl")],
+    files: &[shader_file!("fullscreen.wgsl"), shader_file!("viewer/blit.wgsl")],
 };
 
 /// The pipeline and the image that it draws.

@@ -20,7 +20,7 @@
 //! | | split at the stop, Mf = Ms Ma | `PathMatrices` | `every_ray_of_the_independent_trace_of_the_heliar` |
 //! | | four entrance points carried to the sensor as a quad | `quad::quad` | `each_mode_comes_near_dense_exact_rays` |
 //! | | the same from two rays | `quad::two_rays` | `two_rays_draw_what_four_do` |
-//! | | the aperture as a texture, looked up through Ma | `Aperture::mask`, `shaders/camera/flare.wgsl` | `a_ghost_keeps_its_light` |
+//! | | the aperture as a texture, looked up through Ma | `Aperture::mask`, `shaders/camera/ghost.wgsl` | `a_ghost_keeps_its_light` |
 //! | | entrance cut to the lens barrel and the effective pupil | `LinearGhost::new` | `the_effective_pupil_changes_nothing_but_the_work` |
 //! | | brightness by the ratio of entrance to sensor area, coatings, colours | `FlareSource::radiance`, `lens::reflectance`, `spectrum` | `a_ghost_keeps_its_light`, `reflectance_agrees_with_an_independent_transfer_matrix`, `a_spectrum_adds_up_to_white` |
 //! | B 1 | nonlinear patterns of ghosts, found, made beforehand over the angle from the axis, kept in a table, and drawn with linear ones | `nonlinearity`, `FlareTable::bake`, `flare_mesh` | `the_table_comes_near_dense_exact_rays` |

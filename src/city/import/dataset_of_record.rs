@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use super::ground_cache::GroundCache;
 use super::sources::Sources;
 use crate::buildings::Building;
 use crate::city::CityError;
-use crate::city::ground::Ground;
-use crate::city::raised::raise_footprints;
+use crate::city::raised_footprints::raise_footprints;
 use crate::source::{Footprint, FootprintDatasetWriter, FootprintReport};
 
 /// Gives every footprint its base and roof, counts what gave the heights, and writes those that have ground to the
@@ -15,7 +15,7 @@ use crate::source::{Footprint, FootprintDatasetWriter, FootprintReport};
 pub fn make_footprint_dataset(
     sources: &Sources,
     footprints: Vec<Footprint>,
-    ground: &Ground,
+    ground: &GroundCache,
     path: &Path,
     report: &mut FootprintReport,
 ) -> Result<Vec<Building>, CityError> {

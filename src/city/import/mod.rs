@@ -12,6 +12,7 @@
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
 mod dataset_of_record;
+mod ground_cache;
 mod options;
 mod plan;
 mod progress;
@@ -34,13 +35,13 @@ pub use options::{ImportOptions, Setting};
 pub use warnings::ImportWarning;
 
 use super::geotiff::GeoKeys;
-use super::ground::Ground;
 use super::manifest::FORMAT;
 use super::staging::Staging;
 use super::writer::TileWriter;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
 use crate::source::{Footprint, HeightRule};
+use ground_cache::GroundCache;
 
 /// Texels along a tile's side.
 pub const TILE_TEXELS: usize = 512;
@@ -91,7 +92,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
 
     let plan = Plan::new(&sources, options, &footprints, &report)?;
     let keys = GeoKeys::from_crs(&sources.crs)?;
-    let ground = Ground::new(
+    let ground = GroundCache::new(
         folder.to_owned(),
         plan.grid,
         plan.terrain_side,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::city::{CityError, SourceRecord};
+use crate::city::{CityError, Layer, SourceRecord};
 use crate::source::HeightRule;
 
 /// What `rilievo import` was asked.
@@ -136,15 +136,15 @@ pub struct CacheKey {
     pub records: Vec<SourceRecord>,
 }
 
-/// The options and every source's size and time: an import with the same cache_key makes the same tiles.
+/// The options and every source's size and time: an import with the same cache key makes the same tiles.
 pub fn cache_key(options: &ImportOptions) -> Result<CacheKey, CityError> {
     let mut records = Vec::new();
     let mut text = format!("rilievo {}\n", env!("CARGO_PKG_VERSION"));
     text += &format!("{options:?}");
     let roles = [
-        ("terrain", options.terrain.as_slice()),
-        ("buildings", std::slice::from_ref(&options.buildings)),
-        ("photo", options.imagery.as_slice()),
+        (Layer::Terrain.name(), options.terrain.as_slice()),
+        (Layer::Buildings.name(), std::slice::from_ref(&options.buildings)),
+        (Layer::Imagery.name(), options.imagery.as_slice()),
     ];
     for (role, path) in roles
         .iter()

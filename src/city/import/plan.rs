@@ -107,7 +107,7 @@ fn outline_bounds(footprint: &Footprint) -> Bounds {
 pub fn rejected(report: &FootprintReport) -> String {
     let reasons = report.rejected.iter();
     let reasons: String = reasons
-        .map(|(why, count)| format!(", {count} left out: {why}"))
+        .map(|(why, count)| format!(", {count} rejected: {why}"))
         .collect();
     format!("{} read{reasons}", report.read)
 }

@@ -1,7 +1,7 @@
 //! The source files opened, and the city's CRS decided.
 
 use super::ImportOptions;
-use crate::city::{CityError, OperationRecord};
+use crate::city::{CityError, Layer, OperationRecord};
 use crate::source::{CrsChoice, Dtm, FootprintSource, ImageryMosaic, SteppedHeights};
 use crate::space::{Crs, GeoArea, Operation, OperationWarning};
 
@@ -62,9 +62,9 @@ impl Sources {
     /// How the coordinates of each kind of source come into the city's CRS, and what is worth knowing of it.
     pub fn operations(&self) -> Result<(Vec<OperationRecord>, Vec<OperationWarning>), CityError> {
         let imagery = self.imagery.iter().flat_map(ImageryMosaic::all_crs);
-        let sources = (self.dtm.all_crs().map(|crs| ("terrain", crs)))
-            .chain([("buildings", self.buildings.crs())])
-            .chain(imagery.map(|crs| ("photo", crs)));
+        let sources = (self.dtm.all_crs().map(|crs| (Layer::Terrain.name(), crs)))
+            .chain([(Layer::Buildings.name(), self.buildings.crs())])
+            .chain(imagery.map(|crs| (Layer::Imagery.name(), crs)));
         let (mut records, mut warnings) = (Vec::<OperationRecord>::new(), Vec::new());
         for (role, crs) in sources {
             if records

@@ -7,10 +7,10 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::ImportOptions;
+use super::ground_cache::GroundCache;
 use super::plan::Plan;
 use super::progress::progress;
 use super::sources::Sources;
-use crate::city::ground::Ground;
 use crate::city::writer::TileWriter;
 use crate::city::{CityError, TerrainTile, Tile};
 use crate::source::DtmSampler;
@@ -35,7 +35,7 @@ pub fn make_terrain(
     options: &ImportOptions,
     plan: &Plan,
     writer: &TileWriter<'_>,
-    ground: &Ground,
+    ground: &GroundCache,
 ) -> Result<TerrainTotals, CityError> {
     let tiles: Vec<TileId> = plan.grid.tiles().collect();
     let bar = progress("terrain", tiles.len() as u64);

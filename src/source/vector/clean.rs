@@ -1,4 +1,4 @@
-//! Mends outlines: duplicate points, unclosed and self-crossing rings, zero area, orientation.
+//! Repairs outlines: duplicate points, unclosed and self-crossing rings, zero area, orientation.
 
 use gdal::vector::{Geometry, OGRwkbGeometryType};
 use geo::{
@@ -69,7 +69,7 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
     };
     if !simple {
         if is_tangled(&multi) {
-            return Err("an outline too tangled to mend");
+            return Err("an outline too tangled to repair");
         }
         multi = make_valid(&multi).ok_or("an outline beyond repair")?;
         report.rebuilt = true;
@@ -93,7 +93,7 @@ const MAX_EXTENT_M: f64 = 50_000.0;
 /// Outlines beyond this are tested by GEOS, whose cost does not grow with the square of the vertices.
 const MANY_VERTICES: usize = 1000;
 
-/// Outlines that cross themselves more often are no outlines, and mending them would not end.
+/// Outlines that cross themselves more often are no outlines, and repairing them would not end.
 const MAX_CROSSINGS: usize = 1000;
 
 fn vertex_count(multi: &MultiPolygon<f64>) -> usize {

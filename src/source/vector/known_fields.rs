@@ -4,7 +4,7 @@
 //! Names are compared without case, and `:`, `-`, `.` and blanks count as `_`; a Shapefile's ten characters are names of
 //! their own.
 
-use super::footprints::FootprintSource;
+use super::footprint_source::FootprintSource;
 use crate::source::height_text::FOOT_M;
 use crate::source::{HeightField, HeightReading, HeightRule, SourceError};
 

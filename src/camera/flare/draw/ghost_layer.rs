@@ -6,10 +6,10 @@ use bytemuck::{Pod, Zeroable};
 
 use super::resources::{Blending, Resources};
 use crate::camera::flare::{Aperture, FlareMesh, FlareVertex};
-use crate::camera::shaders::FLARE;
+use crate::camera::shaders::GHOST;
 use crate::gpu::{Gpu, Uniform, empty_buffer, filled_texture, shader_module};
 
-/// Layout of `FlareFrame` in `shaders/camera/flare.wgsl`, where each field is explained.
+/// Layout of `FlareFrame` in `shaders/camera/ghost.wgsl`, where each field is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 #[allow(missing_docs)]
@@ -49,7 +49,7 @@ pub struct GhostLayer {
 impl GhostLayer {
     /// Compiles the pipelines.
     pub fn new(gpu: &Gpu, resources: &Resources) -> Self {
-        let module = shader_module(gpu, &FLARE);
+        let module = shader_module(gpu, &GHOST);
         let buffers = [wgpu::VertexBufferLayout {
             array_stride: size_of::<FlareVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,

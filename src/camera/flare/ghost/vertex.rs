@@ -16,7 +16,7 @@ pub struct FlareSource {
     pub f_number: f64,
 }
 
-/// A vertex of a ghost's triangle; layout of the vertex buffer of `shaders/camera/flare.wgsl`.
+/// A vertex of a ghost's triangle; layout of the vertex buffer of `shaders/camera/ghost.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct FlareVertex {
@@ -33,7 +33,7 @@ pub struct FlareVertex {
 }
 
 impl FlareVertex {
-    /// As `shaders/camera/flare.wgsl` takes them.
+    /// As `shaders/camera/ghost.wgsl` takes them.
     pub const ATTRIBUTES: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
         0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x3, 4 => Float32
     ];

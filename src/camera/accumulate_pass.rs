@@ -4,7 +4,7 @@ use super::shaders::ACCUMULATE;
 use crate::gpu::{BySize, FLOAT, Gpu, PipelineParameters, Target, color_target, shader_module, texture};
 
 /// Two sums that take turns.
-pub struct Accumulate {
+pub struct AccumulatePass {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     sums: BySize<Sums>,
@@ -16,7 +16,7 @@ struct Sums {
     inputs: [wgpu::BindGroup; 2],
 }
 
-impl Accumulate {
+impl AccumulatePass {
     /// Group 0: the sum before, a sample's radiance.
     pub const INPUT: [wgpu::BindingType; 2] = [texture(FLOAT), texture(FLOAT)];
     /// Format of the sums.

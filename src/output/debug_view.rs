@@ -1,4 +1,4 @@
-//! A debug view of any intermediate image of a frame, by name (`shaders/debug_view.wgsl` tells how each is coloured).
+//! A debug view of any intermediate image of a frame, by name (`shaders/output/debug_view.wgsl` tells how each is coloured).
 
 use bytemuck::{Pod, Zeroable};
 use wgpu::TextureSampleType::Uint;
@@ -6,23 +6,17 @@ use wgpu::TextureSampleType::Uint;
 use super::{RenderError, Renderer};
 use crate::gpu::{
     Constant, FLOAT, Gpu, PipelineParameters, ShaderSource, Target, UNIFORM, Uniform, color_target,
-    read_texture, shader_module, texture,
+    read_texture, shader_file, shader_module, texture,
 };
-
-macro_rules! file {
-    ($path:literal) => {
-        (
-            $path,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)),
-        )
-    };
-}
 
 /// The shader.
 pub const DEBUG_VIEW: ShaderSource = ShaderSource {
-    name: "debug_view.wgsl",
+    name: "output/debug_view.wgsl",
     constants: CONSTANTS,
-    files: &[file!("fullscreen.wgsl"), file!("debug_view.wgsl")],
+    files: &[
+        shader_file!("fullscreen.wgsl"),
+        shader_file!("output/debug_view.wgsl"),
+    ],
 };
 
 const CONSTANTS: &[Constant] = &[("FAR", crate::gpu::ConstantValue::Float(crate::relief::FAR))];
@@ -121,9 +115,9 @@ impl Renderer {
             Intermediate::GroundDistance => (&targets.ground_distance, DISTANCE, 0),
             Intermediate::GroundNormal => (&targets.ground_normal, NORMAL, 0),
             Intermediate::ConeDistance => (&targets.cone_distance, DISTANCE, 0),
-            Intermediate::BuildingDistance => (&targets.relief, DISTANCE_BITS, 0),
-            Intermediate::BuildingNormal => (&targets.relief, NORMAL, 3),
-            Intermediate::FacadeCoordinate => (&targets.relief, METRES_BITS, 2),
+            Intermediate::BuildingDistance => (&targets.building_surface, DISTANCE_BITS, 0),
+            Intermediate::BuildingNormal => (&targets.building_surface, NORMAL, 3),
+            Intermediate::FacadeCoordinate => (&targets.building_surface, METRES_BITS, 2),
             Intermediate::Distance => (&targets.distance, DISTANCE, 0),
             Intermediate::Id => (&targets.id, ID, 0),
             Intermediate::Radiance => (&targets.radiance, RADIANCE, 0),

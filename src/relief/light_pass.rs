@@ -3,7 +3,7 @@
 use wgpu::TextureSampleType::Uint;
 
 use super::context::{PassContext, pass_number};
-use super::shaders::SHADE;
+use super::shaders::LIGHT;
 use super::targets::{FAR_COLOR, ReliefTargets};
 use crate::gpu::{
     BySize, FILTERED, FLOAT, Gpu, PipelineParameters, SAMPLER, color_target, shader_module, texture,
@@ -12,14 +12,14 @@ use crate::gpu::{
 use crate::scene::ImageryTiles;
 
 /// The pipeline.
-pub struct ShadePass {
+pub struct LightPass {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
     input_layout: wgpu::BindGroupLayout,
     input: BySize<wgpu::BindGroup>,
 }
 
-impl ShadePass {
+impl LightPass {
     /// Group 2: the ground's distance and normal, the relief's surface, imagery and its sampler.
     pub const INPUT: [wgpu::BindingType; 5] = [
         texture(FLOAT),
@@ -31,7 +31,7 @@ impl ShadePass {
 
     /// For the layouts of groups 0 and 1.
     pub fn new(gpu: &Gpu, [frame, city]: [&wgpu::BindGroupLayout; 2]) -> Self {
-        let module = shader_module(gpu, &SHADE);
+        let module = shader_module(gpu, &LIGHT);
         let input_layout = gpu.layout("shade input", &Self::INPUT);
         let targets = [
             color_target(wgpu::TextureFormat::Rgba16Float),
@@ -54,7 +54,7 @@ impl ShadePass {
         let resources = [
             targets.ground_distance.binding(),
             targets.ground_normal.binding(),
-            targets.relief.binding(),
+            targets.building_surface.binding(),
             wgpu::BindingResource::TextureView(&imagery.array.view),
             wgpu::BindingResource::Sampler(&self.sampler),
         ];

@@ -1,4 +1,4 @@
-// An intermediate image in false colours. Host: src/output/intermediate.rs.
+// An intermediate image in false colours. Host: src/output/debug_view.rs.
 
 struct DebugFrame {
     // Which way of colouring: see the constants.

@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex};
 
 use glam::DVec2;
 
-use super::CityError;
-use super::codec::read_terrain;
-use super::store::{Layer, tile_path};
-use super::tile::ground_at;
+use crate::city::CityError;
+use crate::city::codec::read_terrain;
+use crate::city::layer::Layer;
+use crate::city::tile::ground_at;
 use crate::space::{TileGrid, TileId};
 use crate::terrain::HeightTile;
 
@@ -18,7 +18,7 @@ use crate::terrain::HeightTile;
 const BUDGET_BYTES: usize = 192 << 20;
 
 /// A cache of terrain tiles, shared by the threads of an import.
-pub struct Ground {
+pub struct GroundCache {
     folder: PathBuf,
     grid: TileGrid,
     side: usize,
@@ -32,7 +32,7 @@ struct Cache {
     order: VecDeque<TileId>,
 }
 
-impl Ground {
+impl GroundCache {
     /// Over the terrain tiles of a city folder.
     pub fn new(folder: PathBuf, grid: TileGrid, side: usize, step_m: f64) -> Self {
         Self {
@@ -72,7 +72,7 @@ impl Ground {
                 return Ok(known.clone());
             }
         }
-        let path = tile_path(&self.folder, Layer::Terrain, tile);
+        let path = Layer::Terrain.tile_path(&self.folder, tile);
         let ground = match path.exists() {
             true => Some(Arc::new(read_terrain(&path, self.side, self.step_m)?.ground)),
             false => None,

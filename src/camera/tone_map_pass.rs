@@ -1,13 +1,13 @@
-//! Exposes and tone-maps the mean of an image's samples and what the lens adds (`shaders/camera/tonemap.wgsl` tells how).
+//! Exposes and tone-maps the mean of an image's samples and what the lens adds (`shaders/camera/tone_map.wgsl` tells how).
 
 use bytemuck::{Pod, Zeroable};
 
-use super::shaders::TONEMAP;
+use super::shaders::TONE_MAP;
 use crate::gpu::{
     BySize, FLOAT, Gpu, PipelineParameters, Target, UNIFORM, Uniform, color_target, shader_module, texture,
 };
 
-/// Layout of `Exposure` in `shaders/camera/tonemap.wgsl`.
+/// Layout of `Exposure` in `shaders/camera/tone_map.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Exposure {
@@ -31,7 +31,7 @@ impl Exposure {
 }
 
 /// The pipeline and the displayable image.
-pub struct ToneMap {
+pub struct ToneMapPass {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     exposure: Uniform<Exposure>,
@@ -46,7 +46,7 @@ struct Image {
     inputs: [wgpu::BindGroup; 2],
 }
 
-impl ToneMap {
+impl ToneMapPass {
     /// Group 0: the sum, the exposure, the flare.
     pub const INPUT: [wgpu::BindingType; 3] = [texture(FLOAT), UNIFORM, texture(FLOAT)];
     /// Format of the image.
@@ -56,7 +56,7 @@ impl ToneMap {
 
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Self {
-        let module = shader_module(gpu, &TONEMAP);
+        let module = shader_module(gpu, &TONE_MAP);
         let layout = gpu.layout("tone map", &Self::INPUT);
         let targets = [color_target(Self::FORMAT)];
         Self {

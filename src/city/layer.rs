@@ -1,0 +1,38 @@
+//! The layers of the tile grid: the one place that knows their folders.
+
+use std::path::{Path, PathBuf};
+
+use crate::space::TileId;
+
+/// A layer of the tile grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// Ground heights.
+    Terrain,
+    /// Building map.
+    Buildings,
+    /// Orthophotos.
+    Imagery,
+}
+
+impl Layer {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Terrain, Self::Buildings, Self::Imagery];
+
+    /// Its folder in a city folder, and the role of its sources in the manifest.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Terrain => "terrain",
+            Self::Buildings => "buildings",
+            Self::Imagery => "photo",
+        }
+    }
+
+    /// Where a tile's file lies under a city folder.
+    pub fn tile_path(self, folder: &Path, tile: TileId) -> PathBuf {
+        folder
+            .join(self.name())
+            .join(tile.level.to_string())
+            .join(format!("{}_{}.tif", tile.x, tile.y))
+    }
+}
