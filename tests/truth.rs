@@ -382,3 +382,57 @@ fn a_real_town_is_true() {
         check(&format!("mamre {name}"), &caster, view, &exact);
     }
 }
+
+/// Whole cities of `../shared/data`, minutes each: `cargo test --release --test truth -- --ignored --nocapture`.
+#[test]
+#[ignore = "imports whole cities"]
+fn whole_cities_are_true() {
+    let Some(data) = support::shared_data() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (name, terrain, footprints, field) in [
+        (
+            "hollywood",
+            "hollywood_us/terrain_srtm1_epsg4326.tif",
+            "hollywood_us/derived_buildings_z14_epsg4326.fgb",
+            "render_height",
+        ),
+        (
+            "zurich",
+            "zurich_lidar_ch/derived_dtm_1m_epsg2056.tif",
+            "zurich_lidar_ch/derived_buildings_epsg2056.gpkg",
+            "height_m",
+        ),
+        (
+            "gothenburg",
+            "gothenburg_se/torgg_2m_epsg3006/torgg_dem.tif",
+            "gothenburg_se/derived_kronhuset_buildings_epsg3006.gpkg",
+            "height_m",
+        ),
+    ] {
+        let (terrain, footprints) = (data.join(terrain), data.join(footprints));
+        let out = folder.path().join(name);
+        let text = |path: &Path| path.display().to_string();
+        let arguments = ["import", "--terrain", &text(&terrain), "--buildings", &text(&footprints)]
+            .into_iter()
+            .chain(["--height-field", field, "--out", &text(&out)])
+            .map(str::to_owned)
+            .collect::<Vec<_>>();
+        support::succeed(&arguments);
+        let city = City::open(&out).unwrap();
+        let caster = Raycaster::open_in(Some(&city.manifest().crs), &terrain, &footprints, field);
+        let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+        let [x, y] = caster.median_position();
+        let z = caster.ground(x, y).unwrap();
+        for (view_name, eye) in [
+            ("low", [x - 110.0, y - 130.0, z + 70.0]),
+            ("oblique", [x - 260.0, y - 240.0, z + 230.0]),
+            ("high", [x - 100.0, y - 130.0, z + 520.0]),
+        ] {
+            let view = view(eye, [x, y, z]);
+            let exact = draw(&mut renderer, view, ReliefMode::Exact);
+            check(&format!("{name} {view_name}"), &caster, view, &exact);
+        }
+    }
+}

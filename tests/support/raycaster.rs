@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use gdal::Dataset;
-use gdal::vector::LayerAccess;
+use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
+use gdal::vector::{Geometry, LayerAccess};
 
 /// What a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Raycaster {
     west: f64,
     north: f64,
     pixel: f64,
+    /// From the city's CRS to the DTM's, and metres of a pixel.
+    to_dtm: Option<(CoordTransform, f64)>,
     buildings: Vec<Block>,
 }
 
@@ -34,8 +37,20 @@ struct Block {
 impl Raycaster {
     /// Reads a north-up DTM and a layer of polygons in the same CRS, with heights in `field`.
     pub fn open(terrain: &Path, footprints: &Path, field: &str) -> Self {
+        Self::open_in(None, terrain, footprints, field)
+    }
+
+    /// The same for a city in a CRS of its own (`EPSG:n`): points are taken to the DTM, where it is bilinear, and outlines to the
+    /// city, by GDAL.
+    pub fn open_in(city: Option<&str>, terrain: &Path, footprints: &Path, field: &str) -> Self {
         let dataset = Dataset::open(terrain).unwrap();
         let [west, pixel, _, north, _, _] = dataset.geo_transform().unwrap();
+        let city = city.map(|definition| easting_first(SpatialRef::from_definition(definition).unwrap()));
+        let to_dtm = city.as_ref().map(|city| {
+            let dtm = easting_first(dataset.spatial_ref().unwrap());
+            let metres = if dtm.is_geographic() { 111_320.0 } else { 1.0 };
+            (CoordTransform::new(city, &dtm).unwrap(), pixel * metres)
+        });
         let band = dataset.rasterband(1).unwrap();
         let mut caster = Self {
             heights: band.read_band_as::<f32>().unwrap().data().to_vec(),
@@ -43,21 +58,24 @@ impl Raycaster {
             west,
             north,
             pixel,
+            to_dtm,
             buildings: Vec::new(),
         };
         let dataset = Dataset::open(footprints).unwrap();
         let mut layer = dataset.layer(0).unwrap();
+        let to_city = city.as_ref().map(|city| {
+            let source = easting_first(layer.spatial_ref().unwrap());
+            CoordTransform::new(&source, city).unwrap()
+        });
         for (place, feature) in (1..).zip(layer.features()) {
             let index = feature.field_index(field).unwrap();
-            let height = feature.field_as_double(index).unwrap().unwrap();
+            // What an import without `--default-height` gives buildings without a height.
+            let height = feature.field_as_double(index).unwrap();
+            let height = height.filter(|&height| height > 0.0).unwrap_or(6.0);
             let geometry = feature.geometry().unwrap();
-            let rings: Vec<Vec<[f64; 2]>> = (0..geometry.geometry_count())
-                .map(|k| {
-                    let mut points = Vec::new();
-                    geometry.get_geometry(k).get_points(&mut points);
-                    points.iter().map(|&(x, y, _)| [x, y]).collect()
-                })
-                .collect();
+            let moved = to_city.as_ref().map(|to_city| geometry.transform(to_city).unwrap());
+            let mut rings: Vec<Vec<[f64; 2]>> = Vec::new();
+            collect_rings(moved.as_ref().unwrap_or(geometry), &mut rings);
             let points = || rings.iter().flatten();
             let fold = |axis: usize, start: f64, pick: fn(f64, f64) -> f64| {
                 points().map(|p| p[axis]).fold(start, pick)
@@ -65,6 +83,9 @@ impl Raycaster {
             let base = points()
                 .filter_map(|p| caster.ground(p[0], p[1]))
                 .fold(f64::INFINITY, f64::min);
+            if !base.is_finite() {
+                continue;
+            }
             let block = Block {
                 id: place,
                 low: [fold(0, f64::INFINITY, f64::min), fold(1, f64::INFINITY, f64::min)],
@@ -82,6 +103,14 @@ impl Raycaster {
 
     /// Bilinear between pixel centres.
     pub fn ground(&self, x: f64, y: f64) -> Option<f64> {
+        let [x, y] = match &self.to_dtm {
+            Some((to_dtm, _)) => {
+                let (mut x, mut y) = ([x], [y]);
+                to_dtm.transform_coords(&mut x, &mut y, &mut []).ok()?;
+                [x[0], y[0]]
+            }
+            None => [x, y],
+        };
         let u = (x - self.west) / self.pixel - 0.5;
         let v = (self.north - y) / self.pixel - 0.5;
         let [width, height] = self.size;
@@ -94,6 +123,19 @@ impl Raycaster {
         let upper = h(0, 0) * (1.0 - fu) + h(1, 0) * fu;
         let lower = h(0, 1) * (1.0 - fu) + h(1, 1) * fu;
         Some(upper * (1.0 - fv) + lower * fv)
+    }
+
+    /// Where half of the buildings lie to either side.
+    pub fn median_position(&self) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let mut values: Vec<f64> = self
+                .buildings
+                .iter()
+                .map(|block| 0.5 * (block.low[axis] + block.high[axis]))
+                .collect();
+            values.sort_by(f64::total_cmp);
+            values[values.len() / 2]
+        })
     }
 
     /// The first thing along a ray, within 6 km.
@@ -119,7 +161,8 @@ impl Raycaster {
             Some(eye[2] + t * d[2] - ground)
         };
         let plan = d[0].hypot(d[1]).max(0.05);
-        let step = (0.25 * self.pixel / plan).min(2.0);
+        let pixel_m = self.to_dtm.as_ref().map_or(self.pixel, |(_, pixel_m)| *pixel_m);
+        let step = (0.25 * pixel_m / plan).min(2.0);
         let mut before = 0.0;
         let mut t = 0.0;
         while t < reach {
@@ -148,6 +191,23 @@ impl Raycaster {
             }
         }
         None
+    }
+}
+
+fn easting_first(mut crs: SpatialRef) -> SpatialRef {
+    crs.set_axis_mapping_strategy(AxisMappingStrategy::TraditionalGisOrder);
+    crs
+}
+
+/// The rings of a polygon, or of all of a collection.
+fn collect_rings(geometry: &Geometry, rings: &mut Vec<Vec<[f64; 2]>>) {
+    for k in 0..geometry.geometry_count() {
+        collect_rings(&geometry.get_geometry(k), rings);
+    }
+    if geometry.geometry_count() == 0 {
+        let mut points = Vec::new();
+        geometry.get_points(&mut points);
+        rings.push(points.iter().map(|&(x, y, _)| [x, y]).collect());
     }
 }
 
