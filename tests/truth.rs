@@ -391,21 +391,16 @@ fn whole_cities_are_true() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    for (name, terrain, footprints, field) in [
+    // The second figure is the size of the views.
+    for ((name, size), terrain, footprints, field) in [
         (
-            "hollywood",
+            ("hollywood", 1.0),
             "hollywood_us/terrain_srtm1_epsg4326.tif",
             "hollywood_us/derived_buildings_z14_epsg4326.fgb",
             "render_height",
         ),
         (
-            "zurich",
-            "zurich_lidar_ch/derived_dtm_1m_epsg2056.tif",
-            "zurich_lidar_ch/derived_buildings_epsg2056.gpkg",
-            "height_m",
-        ),
-        (
-            "gothenburg",
+            ("gothenburg", 0.3),
             "gothenburg_se/torgg_2m_epsg3006/torgg_dem.tif",
             "gothenburg_se/derived_kronhuset_buildings_epsg3006.gpkg",
             "height_m",
@@ -414,11 +409,17 @@ fn whole_cities_are_true() {
         let (terrain, footprints) = (data.join(terrain), data.join(footprints));
         let out = folder.path().join(name);
         let text = |path: &Path| path.display().to_string();
-        let arguments = ["import", "--terrain", &text(&terrain), "--buildings", &text(&footprints)]
-            .into_iter()
-            .chain(["--height-field", field, "--out", &text(&out)])
-            .map(str::to_owned)
-            .collect::<Vec<_>>();
+        let arguments = [
+            "import",
+            "--terrain",
+            &text(&terrain),
+            "--buildings",
+            &text(&footprints),
+        ]
+        .into_iter()
+        .chain(["--height-field", field, "--fill", "0", "--out", &text(&out)])
+        .map(str::to_owned)
+        .collect::<Vec<_>>();
         support::succeed(&arguments);
         let city = City::open(&out).unwrap();
         let caster = Raycaster::open_in(Some(&city.manifest().crs), &terrain, &footprints, field);
@@ -426,11 +427,12 @@ fn whole_cities_are_true() {
         let [x, y] = caster.median_position();
         let z = caster.ground(x, y).unwrap();
         for (view_name, eye) in [
-            ("low", [x - 110.0, y - 130.0, z + 70.0]),
-            ("oblique", [x - 260.0, y - 240.0, z + 230.0]),
-            ("high", [x - 100.0, y - 130.0, z + 520.0]),
+            ("low", [-110.0, -130.0, 110.0]),
+            ("oblique", [-260.0, -240.0, 230.0]),
+            ("high", [-100.0, -130.0, 520.0]),
         ] {
-            let view = view(eye, [x, y, z]);
+            let target = DVec3::new(x, y, z);
+            let view = view((target + size * DVec3::from_array(eye)).into(), target.into());
             let exact = draw(&mut renderer, view, ReliefMode::Exact);
             check(&format!("{name} {view_name}"), &caster, view, &exact);
         }

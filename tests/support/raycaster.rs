@@ -52,8 +52,11 @@ impl Raycaster {
             (CoordTransform::new(city, &dtm).unwrap(), pixel * metres)
         });
         let band = dataset.rasterband(1).unwrap();
+        let no_data = band.no_data_value().unwrap_or(f64::NAN) as f32;
+        let known = |&height: &f32| if height == no_data { f32::NAN } else { height };
+        let heights = band.read_band_as::<f32>().unwrap();
         let mut caster = Self {
-            heights: band.read_band_as::<f32>().unwrap().data().to_vec(),
+            heights: heights.data().iter().map(known).collect(),
             size: dataset.raster_size().into(),
             west,
             north,
@@ -73,7 +76,9 @@ impl Raycaster {
             let height = feature.field_as_double(index).unwrap();
             let height = height.filter(|&height| height > 0.0).unwrap_or(6.0);
             let geometry = feature.geometry().unwrap();
-            let moved = to_city.as_ref().map(|to_city| geometry.transform(to_city).unwrap());
+            let moved = to_city
+                .as_ref()
+                .map(|to_city| geometry.transform(to_city).unwrap());
             let mut rings: Vec<Vec<[f64; 2]>> = Vec::new();
             collect_rings(moved.as_ref().unwrap_or(geometry), &mut rings);
             let points = || rings.iter().flatten();
@@ -122,7 +127,7 @@ impl Raycaster {
         let h = |di: usize, dj: usize| f64::from(self.heights[(j + dj) * width + i + di]);
         let upper = h(0, 0) * (1.0 - fu) + h(1, 0) * fu;
         let lower = h(0, 1) * (1.0 - fu) + h(1, 1) * fu;
-        Some(upper * (1.0 - fv) + lower * fv)
+        Some(upper * (1.0 - fv) + lower * fv).filter(|height| height.is_finite())
     }
 
     /// Where half of the buildings lie to either side.
