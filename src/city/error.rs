@@ -67,6 +67,34 @@ pub enum CityError {
         /// The footprint dataset.
         path: PathBuf,
     },
+    /// The footprint dataset was edited and the tiles do not know yet.
+    #[error("{}: was edited since the last update; run rilievo update on the city alone first", path.display())]
+    EditedDataset {
+        /// The footprint dataset.
+        path: PathBuf,
+    },
+    /// A building to delete is not there.
+    #[error("{}: has no building {fid}", path.display())]
+    NoBuilding {
+        /// The footprint dataset.
+        path: PathBuf,
+        /// Its id.
+        fid: u32,
+    },
+    /// A building is to be changed and to be deleted.
+    #[error("building {fid} is to be changed and to be deleted")]
+    ChangedAndDeleted {
+        /// Its id.
+        fid: u32,
+    },
+    /// A changed building reaches beyond the city.
+    #[error("{}: building {fid} reaches beyond the city's tiles; import the city again, with terrain that covers it", path.display())]
+    OutsideCity {
+        /// The city folder.
+        path: PathBuf,
+        /// Its id.
+        fid: u32,
+    },
     /// A source lies in the old city.
     #[error("{}: lies inside the city that the import replaces", path.display())]
     InputInside {

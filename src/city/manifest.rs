@@ -14,6 +14,9 @@ pub const FORMAT: u32 = 1;
 pub struct Manifest {
     /// Layout version.
     pub format: u32,
+    /// Updates since the city was made.
+    #[serde(default)]
+    pub generation: u64,
     /// The city's name: the folder's.
     pub name: String,
     /// `EPSG:n`, or WKT where the CRS is not registered.

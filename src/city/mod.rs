@@ -3,6 +3,7 @@
 mod codec;
 mod error;
 mod geotiff;
+mod ground_cache;
 mod layer;
 mod import;
 mod manifest;
@@ -10,6 +11,7 @@ mod raised_footprints;
 mod staging;
 mod store;
 mod tile;
+mod update;
 mod writer;
 
 pub use codec::{ImageryTile, TerrainTile};
@@ -20,3 +22,4 @@ pub use manifest::{Manifest, OperationRecord, SourceRecord};
 pub use raised_footprints::{RaisedFootprints, building_map, buildings_by_tile, raise_footprints};
 pub use store::City;
 pub use tile::{Tile, ground_at};
+pub use update::{UpdateOptions, UpdateReport, update};

@@ -2,12 +2,14 @@
 //! import, for a city that is read back, and for a tile that is made again.
 
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use super::ground_cache::GroundCache;
 use super::{City, CityError};
 use crate::buildings::{Building, BuildingMap, MapTooLarge, rasterise};
-use crate::source::{Footprint, FootprintDataset, HeightOrigin};
+use crate::source::{Footprint, FootprintDataset, FootprintReport, HeightOrigin};
 use crate::space::{Crs, TileGrid, TileId};
 
 /// Buildings and what became of their footprints.
@@ -44,6 +46,43 @@ pub fn raise_footprints(
         partly_missing: partly_missing.count() as u64,
         height_origins: raised.iter().map(|(_, _, origin)| *origin).collect(),
         buildings: raised.into_iter().map(|(building, ..)| building).collect(),
+    }
+}
+
+/// The same on the ground of a city folder.
+///
+/// # Errors
+/// When a terrain tile is damaged.
+pub fn raise_on_tiles(
+    footprints: Vec<Footprint>,
+    ground: &GroundCache,
+) -> Result<RaisedFootprints, CityError> {
+    let failure: Mutex<Option<CityError>> = Mutex::new(None);
+    let raised = raise_footprints(footprints, |x, y| {
+        ground.at(x, y).unwrap_or_else(|error| {
+            let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
+            failure.get_or_insert(error);
+            None
+        })
+    });
+    match failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(error) => Err(error),
+        None => Ok(raised),
+    }
+}
+
+impl RaisedFootprints {
+    /// Counts what became of the footprints on the ground.
+    pub fn count_in(&self, report: &mut FootprintReport) {
+        for _ in 0..self.groundless {
+            report.reject_accepted("no ground under it");
+        }
+        for _ in 0..self.partly_missing {
+            report.repair("partly over missing ground: stands on what there is");
+        }
+        for &origin in &self.height_origins {
+            report.height(origin);
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::CityError;
 use super::layer::Layer;
+use super::update::{COMMITTED, PARTIAL};
 
 /// A city in the making.
 pub struct Staging {
@@ -15,8 +16,8 @@ pub struct Staging {
 }
 
 const CACHE_KEY: &str = "import.cache_key";
-/// Files of a city folder, beside its layers' folders.
-const FILES: [&str; 2] = ["city.toml", "buildings.gpkg"];
+/// What a city folder holds, beside its layers' folders.
+const FILES: [&str; 4] = ["city.toml", "buildings.gpkg", PARTIAL, COMMITTED];
 
 impl Staging {
     /// Opens the staging folder of `target`. Tiles left by an import with the same `cache_key` (its options and its

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::codec::{self, ImageryTile, TerrainTile};
 use super::layer::Layer;
 use super::manifest::FORMAT;
+use super::update::Pending;
 use super::{CityError, Manifest, Tile};
 use crate::buildings::BuildingMap;
 use crate::space::TileId;
@@ -14,6 +15,8 @@ use crate::space::TileId;
 pub struct City {
     folder: PathBuf,
     manifest: Manifest,
+    /// An update whose files are not all in their places yet.
+    pending: Option<Pending>,
 }
 
 /// Largest counts a manifest may ask a reader to allocate for.
@@ -28,8 +31,12 @@ impl City {
             path: folder.to_owned(),
             why,
         };
-        let text = std::fs::read_to_string(folder.join("city.toml"))
-            .map_err(|error| not_a_city(format!("city.toml: {error}")))?;
+        let pending = Pending::find(folder);
+        let text = match pending.as_ref().and_then(Pending::manifest) {
+            Some(text) => text,
+            None => std::fs::read_to_string(folder.join("city.toml"))
+                .map_err(|error| not_a_city(format!("city.toml: {error}")))?,
+        };
         let manifest: Manifest =
             toml::from_str(&text).map_err(|error| not_a_city(format!("city.toml: {error}")))?;
         if manifest.format != FORMAT {
@@ -61,6 +68,7 @@ impl City {
         Ok(Self {
             folder: folder.to_owned(),
             manifest,
+            pending,
         })
     }
 
@@ -74,6 +82,15 @@ impl City {
         &self.manifest
     }
 
+    /// The city as it is on disk now, where an update changed it since it was opened.
+    ///
+    /// # Errors
+    /// When it cannot be opened any more.
+    pub fn updated(&self) -> Result<Option<Self>, CityError> {
+        let now = Self::open(&self.folder)?;
+        Ok((now.manifest.generation != self.manifest.generation).then_some(now))
+    }
+
     /// The footprint dataset of record.
     pub fn footprint_dataset_path(&self) -> PathBuf {
         self.folder.join("buildings.gpkg")
@@ -81,10 +98,20 @@ impl City {
 
     /// A tile's path, when it exists as a plain file.
     fn existing(&self, layer: Layer, tile: TileId) -> Option<PathBuf> {
-        let path = layer.tile_path(&self.folder, tile);
         // A link could lead the reader out of the folder.
-        let kind = std::fs::symlink_metadata(&path).ok()?;
-        kind.is_file().then_some(path)
+        let plain = |path: PathBuf| {
+            let kind = std::fs::symlink_metadata(&path).ok()?;
+            kind.is_file().then_some(path)
+        };
+        if let Some(pending) = &self.pending {
+            if pending.removes(layer, tile) {
+                return None;
+            }
+            if let Some(path) = plain(pending.tile_path(layer, tile)) {
+                return Some(path);
+            }
+        }
+        plain(layer.tile_path(&self.folder, tile))
     }
 
     /// Fails when tiles that the manifest counts are gone.

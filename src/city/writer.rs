@@ -43,20 +43,23 @@ impl TileWriter<'_> {
         codec::read_imagery(&self.path(Layer::Imagery, id), side).ok()
     }
 
-    /// Writes the layers of a tile. What is there already stays as it is: ground and orthophoto, which follow from the sources
+    /// Writes some layers of a tile. What is there already stays as it is: ground and orthophoto, which follow from the sources
     /// alone, and a building map that is the same.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn put(&self, tile: &Tile) -> Result<(), CityError> {
+    pub fn put(&self, tile: &Tile, layers: &[Layer]) -> Result<(), CityError> {
         let bounds = self.grid.tile_bounds(tile.id);
         let path = |layer| self.path(layer, tile.id);
         if let Some(terrain) = &tile.terrain
+            && layers.contains(&Layer::Terrain)
             && self.terrain(tile.id).is_none()
         {
             codec::write_terrain(&path(Layer::Terrain), &bounds, terrain, self.keys)?;
         }
-        if let Some(buildings) = &tile.buildings {
+        if let Some(buildings) = &tile.buildings
+            && layers.contains(&Layer::Buildings)
+        {
             let map = &buildings.map;
             let path = path(Layer::Buildings);
             let known = codec::read_buildings(&path, map.side, f64::from(map.texel_m));
@@ -65,6 +68,7 @@ impl TileWriter<'_> {
             }
         }
         if let Some(imagery) = &tile.imagery
+            && layers.contains(&Layer::Imagery)
             && self.imagery(tile.id, imagery.side).is_none()
         {
             codec::write_imagery(&path(Layer::Imagery), &bounds, imagery, self.keys)?;

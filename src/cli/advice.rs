@@ -1,4 +1,4 @@
-//! What a command can be told to mend an error or a warning: the one file where they meet the command line's flags.
+//! What a command can be told to repair an error or a warning: the one file where they meet the command line's flags.
 
 use super::CommandError;
 use crate::city::{CityError, ImportWarning, Setting};
@@ -81,9 +81,16 @@ fn for_city(error: &CityError) -> Option<String> {
         }
         CityError::TooManyTiles { .. } => "use larger texels (--texel) or a smaller --margin".to_owned(),
         CityError::TileTooLarge { .. } => "use smaller texels (--texel)".to_owned(),
-        CityError::Crs(_) | CityError::File { .. } | CityError::Tile { .. } | CityError::NoGround { .. } => {
-            return None;
+        CityError::NoBuilding { .. } => "check the ids after --delete".to_owned(),
+        CityError::ChangedAndDeleted { .. } => {
+            "leave it out of the file of changes, or out of --delete".to_owned()
         }
+        CityError::Crs(_)
+        | CityError::File { .. }
+        | CityError::Tile { .. }
+        | CityError::NoGround { .. }
+        | CityError::EditedDataset { .. }
+        | CityError::OutsideCity { .. } => return None,
     })
 }
 

@@ -21,6 +21,8 @@ pub enum Command {
     Sample(super::sample::SampleArgs),
     /// Make a city folder from survey files.
     Import(super::import::ImportArgs),
+    /// Change buildings of a city: the building map only.
+    Update(super::update::UpdateArgs),
     /// Say what a city holds.
     Info(super::info::InfoArgs),
     /// Draw one view to a PNG.

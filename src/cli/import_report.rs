@@ -25,6 +25,20 @@ pub fn print(options: &ImportOptions, report: &ImportReport) {
         city.grid_triangles,
         report.filled_samples
     );
+    print_counts(footprints);
+    for warning in &report.warnings {
+        say!("  note: {warning}; {}", advice::for_warning(warning));
+        if let ImportWarning::NoHeights { fields, .. } = warning {
+            let fields = format!("the file's fields: {}", listed(fields));
+            for line in textwrap::wrap(&fields, LINE - 8) {
+                say!("        {line}");
+            }
+        }
+    }
+}
+
+/// Prints what became of footprints.
+pub fn print_counts(footprints: &FootprintReport) {
     say!("  footprints read  {}", footprints.read);
     say!("  kept             {}", footprints.kept);
     say!("  heights          {}", heights(footprints));
@@ -44,15 +58,6 @@ pub fn print(options: &ImportOptions, report: &ImportReport) {
             "  {:16} {duplicates}: outline equal to an earlier one",
             "duplicates"
         );
-    }
-    for warning in &report.warnings {
-        say!("  note: {warning}; {}", advice::for_warning(warning));
-        if let ImportWarning::NoHeights { fields, .. } = warning {
-            let fields = format!("the file's fields: {}", listed(fields));
-            for line in textwrap::wrap(&fields, LINE - 8) {
-                say!("        {line}");
-            }
-        }
     }
 }
 

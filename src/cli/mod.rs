@@ -28,6 +28,7 @@ mod lens_trace;
 mod render;
 mod sample;
 mod statistics;
+mod update;
 mod values;
 
 use std::process::ExitCode;
@@ -100,6 +101,7 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> Result<(), CommandError> {
     match command {
         Command::Import(args) => import::run(args),
+        Command::Update(args) => update::run(args),
         Command::Sample(args) => sample::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),

@@ -40,6 +40,12 @@ pub enum SourceError {
         /// What GDAL said.
         why: String,
     },
+    /// Its features cannot be told by their ids.
+    #[error("{}: keeps no ids of its features and has no column fid that says which buildings they are; add one, or use a GeoPackage", path.display())]
+    NoIds {
+        /// The file.
+        path: PathBuf,
+    },
     /// It says nothing of its CRS.
     #[error("{}: has no coordinate reference system", path.display())]
     NoCrs {

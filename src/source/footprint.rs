@@ -14,6 +14,8 @@ pub struct Footprint {
     pub roof: RoofSpec,
     /// What says so.
     pub height_origin: HeightOrigin,
+    /// Whether the outline is, coordinate by coordinate, what the source holds.
+    pub is_as_stored: bool,
 }
 
 /// What the map says of the roof.

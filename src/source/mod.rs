@@ -21,6 +21,6 @@ pub use listed::listed;
 pub use raster::{Dtm, DtmSampler, ImageryMosaic, SampleLattice, SteppedHeights};
 pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
-    CleanReport, FieldCount, FootprintDataset, FootprintDatasetWriter, FootprintReport, FootprintSource,
-    Outline, clean_outline,
+    CleanReport, FieldCount, FootprintDataset, FootprintDatasetEditor, FootprintDatasetWriter,
+    FootprintReport, FootprintSource, Outline, Selection, clean_outline,
 };

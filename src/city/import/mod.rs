@@ -12,7 +12,6 @@
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
 mod dataset_of_record;
-mod ground_cache;
 mod options;
 mod plan;
 mod progress;
@@ -35,13 +34,13 @@ pub use options::{ImportOptions, Setting};
 pub use warnings::ImportWarning;
 
 use super::geotiff::GeoKeys;
+use super::ground_cache::GroundCache;
 use super::manifest::FORMAT;
 use super::staging::Staging;
 use super::writer::TileWriter;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
 use crate::source::{Footprint, HeightRule};
-use ground_cache::GroundCache;
 
 /// Texels along a tile's side.
 pub const TILE_TEXELS: usize = 512;
@@ -128,6 +127,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
 
     let manifest = Manifest {
         format: FORMAT,
+        generation: 0,
         name: options
             .out
             .file_name()

@@ -7,12 +7,12 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::ImportOptions;
-use super::ground_cache::GroundCache;
 use super::plan::Plan;
 use super::progress::progress;
 use super::sources::Sources;
+use crate::city::ground_cache::GroundCache;
 use crate::city::writer::TileWriter;
-use crate::city::{CityError, TerrainTile, Tile};
+use crate::city::{CityError, Layer, TerrainTile, Tile};
 use crate::source::DtmSampler;
 use crate::space::TileId;
 use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, tin_triangles};
@@ -66,7 +66,7 @@ pub fn make_terrain(
                     totals[2].fetch_add(grid_triangles(&terrain.ground).len() as u64, Ordering::Relaxed);
                 }
                 let tile = Tile::new(id, terrain, None, None);
-                writer.put(&tile)?;
+                writer.put(&tile, &[Layer::Terrain])?;
                 ground.keep(id, tile.terrain.map(|terrain| Arc::new(terrain.ground)));
                 bar.inc(1);
                 Ok(())

@@ -76,7 +76,7 @@ pub fn make_tiles(
                 totals[1].fetch_add(bytes as u64, Ordering::Relaxed);
             }
             totals[2].fetch_add(u64::from(tile.imagery.is_some()), Ordering::Relaxed);
-            writer.put(&tile)?;
+            writer.put(&tile, &[Layer::Buildings, Layer::Imagery])?;
             bar.inc(1);
             Ok(())
         })

@@ -48,9 +48,7 @@ impl FootprintDatasetWriter {
             path: path.to_owned(),
             why,
         };
-        // The GeoPackage stores when it was last changed; the same input must give the same bytes.
-        gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
-            .map_err(|error| write_error(gdal_says(&error)))?;
+        fix_dataset_date().map_err(write_error)?;
         // A journal that a killed import left would be played into the new file.
         for old in [path.to_owned(), path.with_extension("gpkg-journal")] {
             if old.exists() {
@@ -139,17 +137,27 @@ impl FootprintDatasetWriter {
 
     /// Commits and closes.
     pub fn finish(self) -> Result<(), SourceError> {
-        let path = self.path;
-        // SAFETY: the dataset is open.
-        let status = unsafe { gdal_sys::GDALDatasetCommitTransaction(self.dataset.c_dataset()) };
-        let closed = self.dataset.close();
-        if status != gdal_sys::OGRErr::OGRERR_NONE {
-            let why = "the transaction was refused".to_owned();
-            return Err(SourceError::Write { path, why });
-        }
-        closed.map_err(|error| SourceError::Write {
-            path,
-            why: error.to_string(),
-        })
+        commit(self.path, self.dataset)
     }
+}
+
+/// The GeoPackage stores when it was last changed; the same input must give the same bytes.
+pub(super) fn fix_dataset_date() -> Result<(), String> {
+    gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
+        .map_err(|error| gdal_says(&error))
+}
+
+/// Commits a dataset's transaction and closes it.
+pub(super) fn commit(path: PathBuf, dataset: Dataset) -> Result<(), SourceError> {
+    // SAFETY: the dataset is open.
+    let status = unsafe { gdal_sys::GDALDatasetCommitTransaction(dataset.c_dataset()) };
+    let closed = dataset.close();
+    if status != gdal_sys::OGRErr::OGRERR_NONE {
+        let why = "the transaction was refused".to_owned();
+        return Err(SourceError::Write { path, why });
+    }
+    closed.map_err(|error| SourceError::Write {
+        path,
+        why: error.to_string(),
+    })
 }

@@ -1,4 +1,4 @@
-//! A footprint file opened with OGR, and its layer (`reading` takes the footprints out).
+//! A footprint file opened with OGR, and its layer (`read_footprints` takes the footprints out).
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,17 @@ use glam::DVec2;
 use super::cityjson;
 use crate::source::{CrsChoice, SourceError, SourceRole, gdal_reference, gdal_says};
 use crate::space::{Crs, GeoArea};
+
+/// Where a building's id comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FeatureIds {
+    /// The feature's own id, which the format keeps.
+    Own,
+    /// A column.
+    Column(usize),
+    /// The feature's place in the source, from 1.
+    Index,
+}
 
 /// One layer of a vector file.
 pub struct FootprintSource {
@@ -22,11 +33,13 @@ pub struct FootprintSource {
     pub(super) is_cityjson: bool,
     /// A CityJSON's vertices lie in its own extent only without its translation, which was dropped.
     pub translation_dropped: bool,
-    /// Building ids: the feature's FID, where the format keeps it, else its index.
-    pub(super) ids_are_fids: bool,
+    pub(super) ids: FeatureIds,
     /// The driver ends a damaged file like a whole one; its error messages and its own count tell.
     pub(super) reads_past_damage: bool,
 }
+
+/// The column of building ids in a footprint dataset.
+const FID: &str = "fid";
 
 impl FootprintSource {
     /// Opens a file and picks its layer: the named one, or the only one with areas.
@@ -56,7 +69,7 @@ impl FootprintSource {
             is_cad,
             is_cityjson,
             translation_dropped,
-            ids_are_fids: false,
+            ids: FeatureIds::Index,
             reads_past_damage: ["FlatGeobuf", "ESRI Shapefile", "GPKG"].contains(&driver.as_str()),
         };
         source.pick_layer(layer)?;
@@ -65,7 +78,9 @@ impl FootprintSource {
             None => source.layer()?.spatial_ref(),
         };
         source.crs = choice.of_file(path, own, SourceRole::Footprints)?;
-        source.ids_are_fids = source.has_stable_ids();
+        if source.has_stable_ids() {
+            source.ids = FeatureIds::Own;
+        }
         Ok(source)
     }
 
@@ -73,6 +88,25 @@ impl FootprintSource {
     pub fn open_footprint_dataset(path: &Path) -> Result<Self, SourceError> {
         let layer = Some(super::footprint_dataset::LAYER);
         Self::open(path, layer, &CrsChoice::as_the_file_says())
+    }
+
+    /// Takes building ids from the column `fid` where the format keeps none: for features that are to meet others by their ids.
+    ///
+    /// # Errors
+    /// Without such a column.
+    pub fn require_ids(mut self) -> Result<Self, SourceError> {
+        if self.ids == FeatureIds::Own {
+            return Ok(self);
+        }
+        let names = self.field_names()?;
+        let column = names.iter().position(|name| name.eq_ignore_ascii_case(FID));
+        let Some(column) = column else {
+            return Err(SourceError::NoIds {
+                path: self.path.clone(),
+            });
+        };
+        self.ids = FeatureIds::Column(column);
+        Ok(self)
     }
 
     /// True when the format keeps feature ids through edits, and all of them can be building ids.

@@ -2,6 +2,7 @@
 
 mod cityjson;
 mod clean;
+mod dataset_editor;
 mod footprint_dataset;
 mod feature;
 mod footprint_source;
@@ -12,7 +13,9 @@ mod read_footprints;
 mod report;
 
 pub use clean::{CleanReport, clean_outline};
+pub use dataset_editor::FootprintDatasetEditor;
 pub use footprint_dataset::{FootprintDataset, FootprintDatasetWriter};
 pub use footprint_source::FootprintSource;
 pub use outline::Outline;
+pub use read_footprints::Selection;
 pub use report::{FieldCount, FootprintReport};

@@ -3,17 +3,18 @@
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use gdal::vector::{Feature, LayerAccess, OGRwkbGeometryType};
+use gdal::vector::{Feature, Layer, LayerAccess, OGRwkbGeometryType};
 use geo::MultiPolygon;
 use rayon::prelude::*;
 
 use super::clean::{CleanReport, clean_outline};
 use super::feature::{collect_polygons, column_text};
+use super::footprint_source::FeatureIds;
 use super::heights::{HeightReader, ReadHeight};
 use super::outline::Outline;
 use super::{FootprintDatasetWriter, FootprintReport, FootprintSource};
-use crate::source::{Footprint, HeightRule, SourceError, SourceRole};
-use crate::space::{Crs, PointTransform};
+use crate::source::{Footprint, HeightRule, SourceError, SourceRole, gdal_says};
+use crate::space::{Bounds, Crs, PointTransform};
 
 /// A cleaned outline with what was changed, or why there is none.
 type Cleaned = Result<(MultiPolygon<f64>, CleanReport), &'static str>;
@@ -29,6 +30,15 @@ struct Raw {
     rejected: Option<&'static str>,
 }
 
+/// Which features of a layer to read.
+#[derive(Clone, Copy, Debug)]
+pub enum Selection<'a> {
+    /// All of them.
+    All,
+    /// Those with one of these ids.
+    Fids(&'a [u32]),
+}
+
 impl FootprintSource {
     /// Reads every feature into the city's CRS; those that can be buildings go to `each`.
     pub fn read(
@@ -36,9 +46,20 @@ impl FootprintSource {
         city: &Crs,
         rule: &HeightRule,
         default_height_m: f64,
+        each: impl FnMut(Footprint),
+    ) -> Result<FootprintReport, SourceError> {
+        self.read_selected(Selection::All, (city, rule, default_height_m), each)
+    }
+
+    /// The same for some of the features. `to`: the city's CRS, the height rule and the default height, metres.
+    pub fn read_selected(
+        &self,
+        selection: Selection<'_>,
+        (city, rule, default_height_m): (&Crs, &HeightRule, f64),
         mut each: impl FnMut(Footprint),
     ) -> Result<FootprintReport, SourceError> {
         let mut layer = self.layer()?;
+        select(&mut layer, selection).map_err(|error| self.read_error(gdal_says(&error)))?;
         let heights = HeightReader::new(self, layer.defn(), rule, default_height_m)?;
         let building_field = self
             .is_osm
@@ -60,10 +81,10 @@ impl FootprintSource {
                 index += 1;
                 let (outline, rejected) = self.outline(&feature, building_field);
                 batch.push(Raw {
-                    fid: self.id(&feature, index),
+                    fid: self.id(&feature, index).unwrap_or(0),
                     outline,
                     height: heights.read(&feature),
-                    rejected,
+                    rejected: rejected.or(self.id(&feature, index).is_none().then_some("no fid")),
                 });
             }
             if (batch.is_empty() || self.reads_past_damage)
@@ -84,6 +105,7 @@ impl FootprintSource {
                         continue;
                     }
                 };
+                let is_as_stored = is_same(&raw.outline, &outline);
                 count_changes(&mut report, changes);
                 report.kept += 1;
                 report.unusable_height(raw.height.unusable);
@@ -95,6 +117,7 @@ impl FootprintSource {
                     outline,
                     roof: raw.height.roof,
                     height_origin: raw.height.origin,
+                    is_as_stored,
                 });
             }
         }
@@ -105,6 +128,38 @@ impl FootprintSource {
         Ok(report)
     }
 
+    /// Ids of the features whose rectangles, rounded outwards, meet one in the layer's CRS: by the GeoPackage's R-tree (OGC
+    /// 12-128r18, annex F.3), or all of them where there is none.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn fids_meeting(&self, bounds: &Bounds) -> Result<Vec<u32>, SourceError> {
+        let layer = self.layer()?;
+        // SAFETY: the layer is alive, and its text is copied at once.
+        let column = unsafe { std::ffi::CStr::from_ptr(gdal_sys::OGR_L_GetGeometryColumn(layer.c_layer())) };
+        let index = format!("rtree_{}_{}", layer.name(), column.to_string_lossy()).replace('"', "\"\"");
+        let Bounds {
+            west,
+            south,
+            east,
+            north,
+        } = bounds;
+        let query = format!(
+            "SELECT id FROM \"{index}\" WHERE maxx >= {west:?} AND minx <= {east:?} AND maxy >= {south:?} AND miny <= {north:?}"
+        );
+        let dialect = gdal::vector::sql::Dialect::DEFAULT;
+        if let Ok(Some(mut rows)) = self.dataset.execute_sql(query, None, dialect) {
+            let ids = rows.features().map(|row| row.field_as_integer64(0));
+            return Ok(ids.filter_map(|id| u32::try_from(id.ok()??).ok()).collect());
+        }
+        let mut layer = self.layer()?;
+        layer.clear_attribute_filter();
+        Ok((1..)
+            .zip(layer.features())
+            .filter_map(|(index, feature)| self.id(&feature, index))
+            .collect())
+    }
+
     /// Writes the features that became buildings, with their attributes as they are, to a footprint dataset; `outline`
     /// gives the building's by its id. Returns how many were written.
     pub fn copy_to<'a>(
@@ -113,11 +168,13 @@ impl FootprintSource {
         outline: impl Fn(u32) -> Option<&'a MultiPolygon<f64>>,
     ) -> Result<u64, SourceError> {
         let mut layer = self.layer()?;
+        layer.clear_attribute_filter();
         dataset.copy_fields(layer.defn())?;
         let mut written = 0;
         for (index, feature) in (1..).zip(layer.features()) {
-            let fid = self.id(&feature, index);
-            if let Some(outline) = outline(fid) {
+            if let Some(fid) = self.id(&feature, index)
+                && let Some(outline) = outline(fid)
+            {
                 dataset.add(&feature, fid, outline)?;
                 written += 1;
             }
@@ -125,10 +182,14 @@ impl FootprintSource {
         Ok(written)
     }
 
-    /// A building's id: the feature's own where the format keeps them, else its index in the source, from 1.
-    fn id(&self, feature: &Feature<'_>, index: u32) -> u32 {
-        let own = self.ids_are_fids.then(|| feature.fid()).flatten();
-        own.and_then(|fid| u32::try_from(fid).ok()).unwrap_or(index)
+    /// A building's id, from 1; none where its place for it is empty.
+    fn id(&self, feature: &Feature<'_>, index: u32) -> Option<u32> {
+        let fid = |fid: Option<i64>| u32::try_from(fid?).ok().filter(|&fid| fid > 0);
+        match self.ids {
+            FeatureIds::Own => fid(feature.fid().and_then(|fid| i64::try_from(fid).ok())),
+            FeatureIds::Column(column) => fid(feature.field_as_integer64(column).ok().flatten()),
+            FeatureIds::Index => Some(index),
+        }
     }
 
     /// Rings as the file gives them, and why the feature cannot be a building.
@@ -197,6 +258,35 @@ fn transformed(outline: &Outline, transform: &PointTransform) -> Outline {
         (point.x, point.y) = (x, y);
     }
     moved
+}
+
+fn select(layer: &mut Layer<'_>, selection: Selection<'_>) -> Result<(), gdal::errors::GdalError> {
+    layer.clear_spatial_filter();
+    layer.clear_attribute_filter();
+    match selection {
+        Selection::All => Ok(()),
+        Selection::Fids(fids) => {
+            let list: Vec<String> = fids.iter().map(u32::to_string).collect();
+            // SAFETY: the layer is alive; the column's name is copied at once.
+            let column = unsafe { std::ffi::CStr::from_ptr(gdal_sys::OGR_L_GetFIDColumn(layer.c_layer())) };
+            let column = column.to_string_lossy().replace('"', "\"\"");
+            layer.set_attribute_filter(&format!("\"{column}\" IN ({})", list.join(",")))
+        }
+    }
+}
+
+/// Whether an outline is, coordinate by coordinate, what the file holds.
+fn is_same(stored: &Outline, outline: &MultiPolygon<f64>) -> bool {
+    let polygons = outline.0.iter().map(|polygon| {
+        let rings = std::iter::once(polygon.exterior()).chain(polygon.interiors());
+        rings.map(|ring| ring.0.as_slice())
+    });
+    stored.polygons.len() == outline.0.len()
+        && stored
+            .polygons
+            .iter()
+            .zip(polygons)
+            .all(|(rings, outline)| rings.iter().map(Vec::as_slice).eq(outline))
 }
 
 fn count_changes(report: &mut FootprintReport, changes: CleanReport) {

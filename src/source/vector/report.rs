@@ -52,6 +52,42 @@ impl FootprintReport {
         }
     }
 
+    /// The counts of a dataset of which the features counted in `before` became those counted in `after`.
+    pub fn replaced(&self, before: &Self, after: &Self) -> Self {
+        let count = |whole: u64, before: u64, after: u64| (whole + after).saturating_sub(before);
+        let counts = |pick: fn(&Self) -> &BTreeMap<String, u64>| {
+            let mut counts = pick(self).clone();
+            for (what, &number) in pick(after) {
+                *counts.entry(what.clone()).or_default() += number;
+            }
+            for (what, &number) in pick(before) {
+                let left = counts.entry(what.clone()).or_default();
+                *left = left.saturating_sub(number);
+            }
+            counts.retain(|_, &mut number| number > 0);
+            counts
+        };
+        let mut heights = self.heights.clone();
+        for field in &mut heights {
+            let find = |report: &Self| {
+                let found = report.heights.iter().find(|other| other.field == field.field);
+                found.map_or((0, 0), |found| (found.buildings, found.unusable))
+            };
+            let (before, after) = (find(before), find(after));
+            field.buildings = count(field.buildings, before.0, after.0);
+            field.unusable = count(field.unusable, before.1, after.1);
+        }
+        Self {
+            read: count(self.read, before.read, after.read),
+            kept: count(self.kept, before.kept, after.kept),
+            repaired: counts(|report| &report.repaired),
+            rejected: counts(|report| &report.rejected),
+            heights,
+            default_heights: counts(|report| &report.default_heights),
+            duplicates: self.duplicates,
+        }
+    }
+
     /// Counts a feature that becomes no building.
     pub fn reject(&mut self, why: &str) {
         *self.rejected.entry(why.to_owned()).or_default() += 1;

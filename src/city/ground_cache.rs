@@ -1,4 +1,4 @@
-//! Ground heights of a city being made, by point, from its own terrain tiles: what the map says of the ground
+//! Ground heights by point for an import and an update, from a city's own terrain tiles: what the map says of the ground
 //! must follow from the city folder alone.
 
 use std::collections::{HashMap, VecDeque};
@@ -7,17 +7,17 @@ use std::sync::{Arc, Mutex};
 
 use glam::DVec2;
 
-use crate::city::CityError;
-use crate::city::codec::read_terrain;
-use crate::city::layer::Layer;
-use crate::city::tile::ground_at;
+use super::CityError;
+use super::codec::read_terrain;
+use super::layer::Layer;
+use super::tile::ground_at;
 use crate::space::{TileGrid, TileId};
 use crate::terrain::HeightTile;
 
 /// Bytes of heights kept in memory.
 const BUDGET_BYTES: usize = 192 << 20;
 
-/// A cache of terrain tiles, shared by the threads of an import.
+/// A cache of terrain tiles, shared by threads.
 pub struct GroundCache {
     folder: PathBuf,
     grid: TileGrid,

@@ -1,0 +1,106 @@
+//! Changes buildings of a finished city: the footprint dataset and the building-map tiles under old and new outlines, nothing
+//! else. What comes out is what an import of the changed dataset on the same terrain gives, byte for byte.
+//!
+//! ```text
+//! a file of changes, ids ─┐
+//! the edited dataset ─────┴▶ changes (tiles that differ, footprints) ─▶ transaction ─▶ city folder
+//! ```
+
+mod changes;
+mod lock;
+mod transaction;
+
+pub(super) use transaction::{COMMITTED, PARTIAL, Pending};
+
+use std::path::PathBuf;
+
+use changes::{Changes, by_comparing, from_file};
+use lock::CityLock;
+use transaction::{Transaction, finish_interrupted};
+
+use super::ground_cache::GroundCache;
+use super::{City, CityError, Manifest};
+use crate::source::FootprintReport;
+
+/// What to change.
+#[derive(Clone, Debug)]
+pub struct UpdateOptions {
+    /// The city folder.
+    pub city: PathBuf,
+    /// Footprints to add, or to put over those with the same ids. Without it and without `delete` the footprint dataset is taken
+    /// as it is now: it was edited.
+    pub buildings: Option<PathBuf>,
+    /// Their layer.
+    pub layer: Option<String>,
+    /// Their CRS, instead of what the file says.
+    pub crs: Option<String>,
+    /// Ids of buildings to take out.
+    pub delete: Vec<u32>,
+}
+
+/// What an update did.
+#[derive(Clone, Debug)]
+pub struct UpdateReport {
+    /// The city as it is now.
+    pub manifest: Manifest,
+    /// What became of the footprints that were read.
+    pub footprints: FootprintReport,
+    /// Buildings added, changed and taken out, where they were named; none where the dataset was compared.
+    pub counts: Option<[u64; 3]>,
+    /// Building-map tiles written.
+    pub written: u64,
+    /// Building-map tiles on which no building stands any more.
+    pub removed: u64,
+}
+
+/// Updates a city. Waits for another update of the same city; finishes one that was interrupted.
+///
+/// # Errors
+/// When a file cannot be read or written, or a change does not fit the city; the city is then as before.
+pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
+    let _lock = CityLock::acquire(&options.city)?;
+    finish_interrupted(&options.city)?;
+    let city = City::open(&options.city)?;
+    let manifest = city.manifest();
+    let ground = GroundCache::new(
+        city.folder().to_owned(),
+        manifest.grid,
+        manifest.terrain_side,
+        manifest.terrain_step_m,
+    );
+    let changes = if options.buildings.is_none() && options.delete.is_empty() {
+        by_comparing(&city, &ground)?
+    } else {
+        from_file(&city, &ground, options)?
+    };
+    let manifest = changed_manifest(manifest, &changes);
+    if !changes.is_empty() {
+        Transaction::begin(&city)?.commit(&changes, &manifest)?;
+    }
+    let written = changes.tiles.iter().filter(|tile| tile.map.is_some()).count();
+    Ok(UpdateReport {
+        written: written as u64,
+        removed: (changes.tiles.len() - written) as u64,
+        counts: changes.counts,
+        footprints: changes.read,
+        manifest,
+    })
+}
+
+fn changed_manifest(before: &Manifest, changes: &Changes) -> Manifest {
+    let mut manifest = before.clone();
+    if changes.is_empty() {
+        return manifest;
+    }
+    manifest.generation += 1;
+    for tile in &changes.tiles {
+        manifest.building_map_bytes -= tile.bytes_before;
+        manifest.building_map_bytes += tile.bytes();
+        manifest.building_tiles -= u64::from(tile.bytes_before > 0);
+        manifest.building_tiles += u64::from(tile.map.is_some());
+    }
+    manifest.buildings = changes.buildings;
+    manifest.triangle_bytes = changes.triangle_bytes;
+    manifest.footprints = changes.report.clone();
+    manifest
+}

@@ -1,0 +1,554 @@
+//! Updates of a finished city: what comes out is what an import of the changed dataset gives, nothing else is touched, and a
+//! killed update leaves the old city or the new one.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use gdal::vector::{
+    Feature, FieldDefn, FieldValue, Geometry, LayerAccess, LayerOptions, OGRFieldType, OGRwkbGeometryType,
+};
+use gdal::{Dataset, DatasetOptions, DriverManager, GdalOpenFlags};
+use rilievo::city::City;
+use support::{import_arguments, rilievo, sample, succeed};
+
+/// A footprint as the dataset holds it: rings of points, and its attributes as text.
+#[derive(Clone, Debug, PartialEq)]
+struct Record {
+    wkb: Vec<u8>,
+    fields: BTreeMap<String, Option<String>>,
+}
+
+fn records(path: &Path) -> BTreeMap<u64, Record> {
+    let dataset = Dataset::open(path).unwrap();
+    let mut layer = dataset.layer(0).unwrap();
+    let names: Vec<String> = layer.defn().fields().map(|field| field.name()).collect();
+    layer
+        .features()
+        .map(|feature| {
+            let fields = (0..names.len()).map(|k| (names[k].clone(), feature.field_as_string(k).unwrap()));
+            let record = Record {
+                wkb: feature.geometry().unwrap().wkb().unwrap(),
+                fields: fields.collect(),
+            };
+            (feature.fid().unwrap(), record)
+        })
+        .collect()
+}
+
+/// A copy of the sample city that may be changed.
+fn copied(folder: &Path) -> PathBuf {
+    let (from, city) = (sample().join("city"), folder.join("city"));
+    for entry in walk(&from) {
+        let to = city.join(entry.strip_prefix(&from).unwrap());
+        fs::create_dir_all(to.parent().unwrap()).unwrap();
+        fs::copy(&entry, to).unwrap();
+    }
+    // Written last, as by an import.
+    let manifest = fs::read(from.join("city.toml")).unwrap();
+    fs::write(city.join("city.toml"), manifest).unwrap();
+    city
+}
+
+/// Every file under a folder.
+fn walk(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => found.extend(walk(&path)),
+            false => found.push(path),
+        }
+    }
+    found.sort();
+    found
+}
+
+fn tiles(city: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    ["terrain", "buildings", "photo"]
+        .iter()
+        .flat_map(|layer| walk(&city.join(layer)))
+        .map(|path| {
+            (
+                path.strip_prefix(city).unwrap().to_owned(),
+                fs::read(&path).unwrap(),
+            )
+        })
+        .collect()
+}
+
+/// The city is the one that an import of its own dataset on the same terrain gives.
+fn is_a_fresh_import(city: &Path, folder: &Path) {
+    let fresh = folder.join("fresh");
+    let dataset = folder.join("dataset.gpkg");
+    fs::copy(city.join("buildings.gpkg"), &dataset).unwrap();
+    let mut arguments = import_arguments(&sample().join("files"), &fresh);
+    let place = arguments
+        .iter()
+        .position(|argument| argument == "--buildings")
+        .unwrap();
+    arguments[place + 1] = dataset.display().to_string();
+    succeed(&arguments);
+    let (updated, imported) = (tiles(city), tiles(&fresh));
+    assert_eq!(
+        updated.keys().collect::<Vec<_>>(),
+        imported.keys().collect::<Vec<_>>()
+    );
+    for (path, bytes) in &updated {
+        assert!(*bytes == imported[path], "{} differs", path.display());
+    }
+    assert_eq!(
+        records(&city.join("buildings.gpkg")),
+        records(&fresh.join("buildings.gpkg"))
+    );
+    let (updated, imported) = (City::open(city).unwrap(), City::open(&fresh).unwrap());
+    let figures = |city: &City| {
+        let manifest = city.manifest();
+        [
+            manifest.buildings,
+            manifest.building_tiles,
+            manifest.building_map_bytes,
+            manifest.triangle_bytes,
+            manifest.footprints.kept,
+        ]
+    };
+    assert_eq!(figures(&updated), figures(&imported));
+    updated.require_all_tiles().unwrap();
+    fs::remove_dir_all(&fresh).unwrap();
+}
+
+/// A change: rings (moved, reshaped) and a height.
+struct Change {
+    fid: u64,
+    rings: Vec<Vec<[f64; 2]>>,
+    height_m: f64,
+}
+
+fn rings(wkb: &[u8]) -> Vec<Vec<[f64; 2]>> {
+    let multi = Geometry::from_wkb(wkb).unwrap();
+    let polygon = multi.get_geometry(0);
+    (0..polygon.geometry_count())
+        .map(|k| {
+            let mut points = Vec::new();
+            polygon.get_geometry(k).get_points(&mut points);
+            points.iter().map(|&(x, y, _)| [x, y]).collect()
+        })
+        .collect()
+}
+
+fn polygon(rings: &[Vec<[f64; 2]>]) -> Geometry {
+    let ring_text = |ring: &Vec<[f64; 2]>| {
+        let points: Vec<String> = ring.iter().map(|[x, y]| format!("{x:?} {y:?}")).collect();
+        format!("({})", points.join(","))
+    };
+    let rings: Vec<String> = rings.iter().map(ring_text).collect();
+    Geometry::from_wkt(&format!("POLYGON({})", rings.join(","))).unwrap()
+}
+
+fn write_changes(path: &Path, changes: &[Change]) {
+    let _ = fs::remove_file(path);
+    let driver = DriverManager::get_driver_by_name("GPKG").unwrap();
+    let mut dataset = driver.create_vector_only(path).unwrap();
+    let crs = gdal::spatial_ref::SpatialRef::from_epsg(32633).unwrap();
+    let layer = dataset
+        .create_layer(LayerOptions {
+            name: "changes",
+            srs: Some(&crs),
+            ty: OGRwkbGeometryType::wkbPolygon,
+            options: None,
+        })
+        .unwrap();
+    let height = FieldDefn::new("height_m", OGRFieldType::OFTReal).unwrap();
+    height.add_to_layer(&layer).unwrap();
+    for change in changes {
+        let mut feature = Feature::new(layer.defn()).unwrap();
+        feature.set_geometry(polygon(&change.rings)).unwrap();
+        feature.set_field_double(0, change.height_m).unwrap();
+        // SAFETY: the feature is alive.
+        unsafe { gdal_sys::OGR_F_SetFID(feature.c_feature(), change.fid as i64) };
+        feature.create(&layer).unwrap();
+    }
+}
+
+/// A small generator of numbers below `n`.
+struct Chance(u64);
+
+impl Chance {
+    fn below(&mut self, n: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % n
+    }
+
+    fn metres(&mut self, most: f64) -> f64 {
+        (self.below(2001) as f64 / 1000.0 - 1.0) * most
+    }
+}
+
+fn moved(rings: &[Vec<[f64; 2]>], by: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+    let point = |&[x, y]: &[f64; 2]| [x + by[0], y + by[1]];
+    rings
+        .iter()
+        .map(|ring| ring.iter().map(point).collect())
+        .collect()
+}
+
+/// Scaled about its first point.
+fn scaled(rings: &[Vec<[f64; 2]>], by: f64) -> Vec<Vec<[f64; 2]>> {
+    let [x0, y0] = rings[0][0];
+    let point = |&[x, y]: &[f64; 2]| [x0 + (x - x0) * by, y0 + (y - y0) * by];
+    rings
+        .iter()
+        .map(|ring| ring.iter().map(point).collect())
+        .collect()
+}
+
+fn update(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> serde_json::Value {
+    let mut all: Vec<std::ffi::OsString> = vec!["update".into(), "--json".into()];
+    all.extend(arguments.iter().map(|argument| argument.as_ref().to_owned()));
+    serde_json::from_str(&succeed(&all)).unwrap()
+}
+
+/// Moved, reshaped, added, deleted and of another height, many times.
+#[test]
+fn many_edits_end_like_a_fresh_import() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let changes_path = folder.path().join("changes.gpkg");
+    let mut chance = Chance(7);
+    for round in 0..8 {
+        let known = records(&city.join("buildings.gpkg"));
+        let fids: Vec<u64> = known.keys().copied().collect();
+        let mut changes: BTreeMap<u64, Change> = BTreeMap::new();
+        let mut deleted: Vec<u64> = Vec::new();
+        for k in 0..24 {
+            let fid = fids[chance.below(fids.len() as u64) as usize];
+            if changes.contains_key(&fid) || deleted.contains(&fid) {
+                continue;
+            }
+            let old = rings(&known[&fid].wkb);
+            let height_m: f64 = known[&fid].fields["height_m"]
+                .as_deref()
+                .unwrap()
+                .parse()
+                .unwrap();
+            let change = |fid, rings, height_m| Change { fid, rings, height_m };
+            match k % 5 {
+                0 => deleted.push(fid),
+                1 => {
+                    let by = [chance.metres(9.0), chance.metres(9.0)];
+                    changes.insert(fid, change(fid, moved(&old, by), height_m));
+                }
+                2 => {
+                    changes.insert(fid, change(fid, scaled(&old, 0.8), height_m));
+                }
+                3 => {
+                    changes.insert(fid, change(fid, old, height_m + 4.5));
+                }
+                _ => {
+                    let new = fids[fids.len() - 1] + 1 + k;
+                    let by = [chance.metres(30.0), chance.metres(30.0)];
+                    changes.insert(new, change(new, moved(&old, by), 5.0));
+                }
+            }
+        }
+        let changes: Vec<Change> = changes.into_values().collect();
+        write_changes(&changes_path, &changes);
+        let list: Vec<String> = deleted.iter().map(u64::to_string).collect();
+        let report = update(&[&city, &"--buildings", &changes_path, &"--delete", &list.join(",")]);
+        assert_eq!(report["generation"], round + 1, "{report}");
+        assert_eq!(report["deleted"], deleted.len(), "{report}");
+    }
+    is_a_fresh_import(&city, folder.path());
+    // Attributes that the changes do not name stay.
+    let (before, after) = (
+        records(&sample().join("city/buildings.gpkg")),
+        records(&city.join("buildings.gpkg")),
+    );
+    let kept = before
+        .iter()
+        .filter_map(|(fid, record)| Some((record, after.get(fid)?)));
+    let others = |record: &Record| {
+        let mut fields = record.fields.clone();
+        fields.remove("height_m");
+        fields
+    };
+    assert!(
+        kept.clone().any(|(before, after)| before != after),
+        "nothing was changed"
+    );
+    for (before, after) in kept {
+        assert_eq!(others(before), others(after));
+    }
+}
+
+/// One building: only the tiles under its old and new outline are other files afterwards.
+#[test]
+fn only_the_tiles_under_a_changed_building_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let known = records(&city.join("buildings.gpkg"));
+    let (&fid, record) = known.iter().nth(1200).unwrap();
+    let new = moved(&rings(&record.wkb), [40.0, -25.0]);
+    let path = folder.path().join("changes.gpkg");
+    write_changes(
+        &path,
+        &[Change {
+            fid,
+            rings: new.clone(),
+            height_m: 30.0,
+        }],
+    );
+    let before = tiles(&city);
+    let time = |path: &Path| fs::metadata(path).unwrap().modified().unwrap();
+    let times: BTreeMap<_, _> = walk(&city)
+        .into_iter()
+        .map(|path| (path.clone(), time(&path)))
+        .collect();
+    let report = update(&[&city, &"--buildings", &path]);
+    let opened = City::open(&city).unwrap();
+    let grid = opened.manifest().grid;
+    let tile_of = |[x, y]: [f64; 2]| {
+        let id = grid.tile_at(glam::DVec2::new(x, y)).unwrap();
+        PathBuf::from(format!("buildings/0/{}_{}.tif", id.x, id.y))
+    };
+    let old = rings(&record.wkb);
+    let under: Vec<PathBuf> = old[0]
+        .iter()
+        .chain(&new[0])
+        .map(|&point| tile_of(point))
+        .collect();
+    let after = tiles(&city);
+    let mut changed = 0;
+    for (path, bytes) in &after {
+        if *bytes != before[path] {
+            assert!(under.contains(path), "{} changed", path.display());
+            changed += 1;
+        }
+    }
+    assert!((1..=4).contains(&changed), "{changed} tiles");
+    assert_eq!(report["tiles_written"], changed);
+    for (path, before) in times {
+        let relative = path.strip_prefix(&city).unwrap();
+        let may = under.iter().any(|tile| tile == relative);
+        let is_record = ["buildings.gpkg", "city.toml"]
+            .iter()
+            .any(|name| relative == Path::new(name));
+        assert!(
+            may || is_record || time(&path) == before,
+            "{} was written",
+            path.display()
+        );
+    }
+    // The same again changes no tile.
+    let again = update(&[&city, &"--buildings", &path]);
+    assert_eq!(again["tiles_written"], 0, "{again}");
+}
+
+/// A dataset edited behind the program's back, as in QGIS: also with an outline that crosses itself and one drawn clockwise.
+#[test]
+fn an_edited_dataset_is_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let path = city.join("buildings.gpkg");
+    std::thread::sleep(Duration::from_millis(20));
+    {
+        let options = DatasetOptions {
+            open_flags: GdalOpenFlags::GDAL_OF_UPDATE | GdalOpenFlags::GDAL_OF_VECTOR,
+            ..DatasetOptions::default()
+        };
+        let dataset = Dataset::open_ex(&path, options).unwrap();
+        let layer = dataset.layer(0).unwrap();
+        let height = layer.defn().field_index("height_m").unwrap();
+        let mut first = layer.feature(10).unwrap();
+        first.set_field(height, &FieldValue::RealValue(41.0)).unwrap();
+        layer.set_feature(first).unwrap();
+        let mut second = layer.feature(11).unwrap();
+        let mut clockwise = moved(&rings(&second.geometry().unwrap().wkb().unwrap()), [3.0, 3.0]);
+        clockwise[0].reverse();
+        let multi = |polygon: &Geometry| Geometry::from_wkt(&polygon.wkt().unwrap()).unwrap();
+        second.set_geometry(multi(&polygon(&clockwise))).unwrap();
+        layer.set_feature(second).unwrap();
+        // SAFETY: the layer is open for writing.
+        unsafe { gdal_sys::OGR_L_DeleteFeature(layer.c_layer(), 12) };
+    }
+    // Named changes have to wait until the edits are known.
+    let refused = rilievo(&[
+        "update".as_ref(),
+        city.as_os_str(),
+        "--delete".as_ref(),
+        "13".as_ref(),
+    ]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("buildings.gpkg") && said.contains("edited"),
+        "{said}"
+    );
+
+    let report = update(&[&city]);
+    assert!(report["tiles_written"].as_u64().unwrap() >= 1, "{report}");
+    is_a_fresh_import(&city, folder.path());
+    let again = update(&[&city]);
+    assert_eq!(again["tiles_written"], 0, "{again}");
+    assert_eq!(again["generation"], report["generation"], "nothing changed");
+}
+
+/// Killed at any moment the city opens, whole; the next update finishes what held and the edits end where they would have.
+#[cfg(unix)]
+#[test]
+fn a_killed_update_leaves_the_old_city_or_the_new_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let known = records(&city.join("buildings.gpkg"));
+    let fids: Vec<u64> = known.keys().copied().collect();
+    let changes = |shift: f64| -> Vec<Change> {
+        let some = fids.iter().step_by(40);
+        some.map(|&fid| Change {
+            fid,
+            rings: moved(&rings(&known[&fid].wkb), [shift, 0.5]),
+            height_m: 9.0 + shift,
+        })
+        .collect()
+    };
+    let path = folder.path().join("changes.gpkg");
+    write_changes(&path, &changes(1.0));
+    let start = |path: &Path| {
+        Command::new(support::PROGRAM)
+            .args([Path::new("update"), &city, Path::new("--buildings"), path])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap()
+    };
+    let begun = Instant::now();
+    assert!(start(&path).wait().unwrap().success());
+    let whole = begun.elapsed();
+    let (mut old, mut new) = (0, 0);
+    for k in 0..24_u32 {
+        let generation = City::open(&city).unwrap().manifest().generation;
+        write_changes(&path, &changes(f64::from(k % 7) - 3.0));
+        let mut child = start(&path);
+        std::thread::sleep(whole.mul_f64(f64::from(k) / 22.0));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let opened = City::open(&city).unwrap();
+        opened.require_all_tiles().unwrap();
+        for id in opened.manifest().grid.tiles() {
+            opened.tile(id).unwrap();
+        }
+        match opened.manifest().generation {
+            now if now == generation => old += 1,
+            now if now == generation + 1 => new += 1,
+            now => panic!("generation {now} after {generation}"),
+        }
+    }
+    println!("{old} old, {new} new");
+    assert!(
+        old > 0 && new > 0,
+        "{old} old, {new} new: the kills missed the update"
+    );
+    write_changes(&path, &changes(0.25));
+    update(&[&city, &"--buildings", &path]);
+    let left: Vec<PathBuf> = fs::read_dir(&city)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    assert_eq!(left.len(), 5, "{left:?}");
+    is_a_fresh_import(&city, folder.path());
+}
+
+/// Two at once wait for each other: both are there.
+#[test]
+fn two_updates_at_once_are_both_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let known = records(&city.join("buildings.gpkg"));
+    let children: Vec<_> = [100, 101]
+        .iter()
+        .map(|&fid: &u64| {
+            let path = folder.path().join(format!("{fid}.gpkg"));
+            let rings = moved(&rings(&known[&fid].wkb), [2.0, 2.0]);
+            let height_m = 12.0;
+            write_changes(&path, &[Change { fid, rings, height_m }]);
+            Command::new(support::PROGRAM)
+                .args([Path::new("update"), &city, Path::new("--buildings"), &path])
+                .stdout(Stdio::null())
+                .spawn()
+                .unwrap()
+        })
+        .collect();
+    for mut child in children {
+        assert!(child.wait().unwrap().success());
+    }
+    assert_eq!(City::open(&city).unwrap().manifest().generation, 2);
+    let now = records(&city.join("buildings.gpkg"));
+    for fid in [100, 101] {
+        assert_ne!(now[&fid].wkb, known[&fid].wkb);
+    }
+}
+
+/// What does not fit is refused by name, and the city stays as it is.
+#[test]
+fn changes_that_do_not_fit_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let before = tiles(&city);
+    let refuse = |arguments: &[&dyn AsRef<std::ffi::OsStr>], words: &[&str]| {
+        let mut all: Vec<std::ffi::OsString> = vec!["update".into(), city.clone().into()];
+        all.extend(arguments.iter().map(|argument| argument.as_ref().to_owned()));
+        let output = rilievo(&all);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        for word in words {
+            assert!(said.contains(word), "{word}: {said}");
+        }
+    };
+    refuse(&[&"--delete", &"99999999"], &["buildings.gpkg", "99999999"]);
+    refuse(&[&"--buildings", &"nowhere.gpkg"], &["nowhere.gpkg"]);
+    let geojson = folder.path().join("no_ids.geojson");
+    support::survey::footprints(&geojson, &[[400_000.0, 5_000_000.0]]);
+    refuse(
+        &[&"--buildings", &geojson, &"--buildings-crs", &"EPSG:32633"],
+        &["no_ids.geojson", "fid"],
+    );
+    let far = folder.path().join("far.gpkg");
+    let known = records(&city.join("buildings.gpkg"));
+    let grid = City::open(&city).unwrap().manifest().grid;
+    let east = grid.bounds().east;
+    let ring = rings(&known[&5].wkb);
+    let to_border = east - 2.0 - ring[0].iter().map(|[x, _]| *x).fold(f64::INFINITY, f64::min);
+    let change = |fid: u64, by: f64| Change {
+        fid,
+        rings: moved(&ring, [by, 0.0]),
+        height_m: 7.0,
+    };
+    write_changes(&far, &[change(5, to_border)]);
+    let output = rilievo(&[
+        "update".as_ref(),
+        city.as_os_str(),
+        "--buildings".as_ref(),
+        far.as_os_str(),
+    ]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    // Beyond the terrain it has no ground, on its last metres it reaches out: refused or counted, never lost.
+    assert!(
+        said.contains("building 5 reaches beyond") || told.contains("no ground"),
+        "{said}{told}"
+    );
+    write_changes(&far, &[change(5, 1.0)]);
+    refuse(
+        &[&"--buildings", &far, &"--delete", &"5"],
+        &["building 5", "deleted"],
+    );
+    assert!(tiles(&city) == before, "a refused update changed tiles");
+    assert_eq!(known, records(&city.join("buildings.gpkg")));
+}
