@@ -219,11 +219,23 @@ fn update(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> serde_json::Value {
 /// Moved, reshaped, added, deleted and of another height, many times.
 #[test]
 fn many_edits_end_like_a_fresh_import() {
+    edits_end_like_a_fresh_import(8);
+}
+
+/// A thousand edits, and two hundred kills.
+#[test]
+#[ignore = "takes minutes"]
+fn a_thousand_edits_and_two_hundred_kills() {
+    edits_end_like_a_fresh_import(45);
+    kills_leave_a_whole_city(200);
+}
+
+fn edits_end_like_a_fresh_import(rounds: u64) {
     let folder = tempfile::tempdir().unwrap();
     let city = copied(folder.path());
     let changes_path = folder.path().join("changes.gpkg");
     let mut chance = Chance(7);
-    for round in 0..8 {
+    for round in 0..rounds {
         let known = records(&city.join("buildings.gpkg"));
         let fids: Vec<u64> = known.keys().copied().collect();
         let mut changes: BTreeMap<u64, Change> = BTreeMap::new();
@@ -402,9 +414,12 @@ fn an_edited_dataset_is_compared() {
 }
 
 /// Killed at any moment the city opens, whole; the next update finishes what held and the edits end where they would have.
-#[cfg(unix)]
 #[test]
 fn a_killed_update_leaves_the_old_city_or_the_new_one() {
+    kills_leave_a_whole_city(24);
+}
+
+fn kills_leave_a_whole_city(kills: u32) {
     let folder = tempfile::tempdir().unwrap();
     let city = copied(folder.path());
     let known = records(&city.join("buildings.gpkg"));
@@ -432,11 +447,11 @@ fn a_killed_update_leaves_the_old_city_or_the_new_one() {
     assert!(start(&path).wait().unwrap().success());
     let whole = begun.elapsed();
     let (mut old, mut new) = (0, 0);
-    for k in 0..24_u32 {
+    for k in 0..kills {
         let generation = City::open(&city).unwrap().manifest().generation;
         write_changes(&path, &changes(f64::from(k % 7) - 3.0));
         let mut child = start(&path);
-        std::thread::sleep(whole.mul_f64(f64::from(k) / 22.0));
+        std::thread::sleep(whole.mul_f64(1.1 * f64::from(k) / f64::from(kills)));
         child.kill().unwrap();
         child.wait().unwrap();
         let opened = City::open(&city).unwrap();

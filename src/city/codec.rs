@@ -67,19 +67,33 @@ pub fn write_terrain(
     write(path, &pages, keys)
 }
 
-/// Reads a terrain tile of `side` samples, `step_m` apart.
-pub fn read_terrain(path: &Path, side: usize, step_m: f64) -> Result<TerrainTile, CityError> {
-    let mut reader = PageReader::open(path)?;
+/// Reads the heights of a terrain tile of `side` samples, `step_m` apart.
+pub fn read_heights(path: &Path, side: usize, step_m: f64) -> Result<HeightTile, CityError> {
+    heights_of(&mut PageReader::open(path)?, path, side, step_m)
+}
+
+fn heights_of(
+    reader: &mut PageReader,
+    path: &Path,
+    side: usize,
+    step_m: f64,
+) -> Result<HeightTile, CityError> {
     let (heights, _) = reader.floats([Some(side), Some(side)])?;
-    let (indices, _) = reader.words([Some(3), None])?;
     if heights.len() != side * side {
         return Err(damaged(path, "a page has more than one band".to_owned()));
     }
-    let ground = HeightTile {
+    Ok(HeightTile {
         side,
         step_m,
         heights: flipped(&heights, side),
-    };
+    })
+}
+
+/// Reads a terrain tile, heights and triangles.
+pub fn read_terrain(path: &Path, side: usize, step_m: f64) -> Result<TerrainTile, CityError> {
+    let mut reader = PageReader::open(path)?;
+    let ground = heights_of(&mut reader, path, side, step_m)?;
+    let (indices, _) = reader.words([Some(3), None])?;
     let positions = ground.mesh_side() * ground.mesh_side();
     if indices.iter().any(|&index| index as usize >= positions) {
         return Err(damaged(

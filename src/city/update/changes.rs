@@ -15,6 +15,16 @@ use crate::city::{City, CityError, Layer};
 use crate::source::{CrsChoice, Footprint, FootprintReport, FootprintSource, Selection, SourceError};
 use crate::space::{Crs, TileId};
 
+/// The city to change, its CRS and its ground.
+pub struct Place<'a> {
+    /// The city.
+    pub city: &'a City,
+    /// Its CRS.
+    pub crs: &'a Crs,
+    /// Its ground.
+    pub ground: &'a GroundCache,
+}
+
 /// A tile that becomes another one.
 pub struct TileChange {
     /// Which.
@@ -66,11 +76,12 @@ impl Changes {
 }
 
 /// What the edited dataset says otherwise than the tiles.
-pub fn by_comparing(city: &City, ground: &GroundCache) -> Result<Changes, CityError> {
+pub fn by_comparing(place: &Place<'_>) -> Result<Changes, CityError> {
+    let city = place.city;
     let manifest = city.manifest();
     let dataset = open_dataset(city)?;
     let mut stored_otherwise = HashSet::new();
-    let (buildings, report) = read_buildings(city, ground, &dataset, Selection::All, |footprint| {
+    let (buildings, report) = read_buildings(place, &dataset, Selection::All, |footprint| {
         if !footprint.is_as_stored {
             stored_otherwise.insert(footprint.fid);
         }
@@ -81,7 +92,6 @@ pub fn by_comparing(city: &City, ground: &GroundCache) -> Result<Changes, CityEr
             rejected: format!("{} read", report.read),
         });
     }
-    require_inside(city, &buildings)?;
     let ids: Vec<TileId> = manifest.grid.tiles().collect();
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
     let tiles = changed_tiles(city, &ids, &by_tile)?;
@@ -107,23 +117,23 @@ pub fn by_comparing(city: &City, ground: &GroundCache) -> Result<Changes, CityEr
 }
 
 /// What a file of footprints, and ids to take out, change.
-pub fn from_file(city: &City, ground: &GroundCache, options: &UpdateOptions) -> Result<Changes, CityError> {
+pub fn from_file(place: &Place<'_>, options: &UpdateOptions) -> Result<Changes, CityError> {
+    let city = place.city;
     let manifest = city.manifest();
     refuse_edited(city)?;
     let dataset = open_dataset(city)?;
     let source = options
         .buildings
         .as_ref()
-        .map(|path| open_changes(city, path, options))
+        .map(|path| open_changes(place.crs, path, options))
         .transpose()?;
     if let Some(source) = &source {
         require_height_fields(city, &dataset, source)?;
     }
     let (after, read) = match &source {
-        Some(source) => read_buildings(city, ground, source, Selection::All, |_| {})?,
+        Some(source) => read_buildings(place, source, Selection::All, |_| {})?,
         None => (Vec::new(), FootprintReport::new(&manifest.height_rule)),
     };
-    require_inside(city, &after)?;
     let deleted: BTreeSet<u32> = options.delete.iter().copied().collect();
     if let Some(building) = after.iter().find(|building| deleted.contains(&building.fid)) {
         return Err(CityError::ChangedAndDeleted { fid: building.fid });
@@ -134,7 +144,7 @@ pub fn from_file(city: &City, ground: &GroundCache, options: &UpdateOptions) -> 
         .chain(deleted.iter().copied())
         .collect();
     let fids: Vec<u32> = named.iter().copied().collect();
-    let (before, read_before) = read_buildings(city, ground, &dataset, Selection::Fids(&fids), |_| {})?;
+    let (before, read_before) = read_buildings(place, &dataset, Selection::Fids(&fids), |_| {})?;
     let is_known = |fid: u32| before.binary_search_by_key(&fid, |building| building.fid).is_ok();
     if let Some(&fid) = deleted.iter().find(|&&fid| !is_known(fid)) {
         return Err(CityError::NoBuilding {
@@ -143,6 +153,7 @@ pub fn from_file(city: &City, ground: &GroundCache, options: &UpdateOptions) -> 
         });
     }
 
+    require_inside(city, &before, &after)?;
     let touched: BTreeSet<TileId> = before
         .iter()
         .chain(&after)
@@ -157,7 +168,7 @@ pub fn from_file(city: &City, ground: &GroundCache, options: &UpdateOptions) -> 
     standing.sort_unstable();
     standing.dedup();
     standing.retain(|fid| !named.contains(fid));
-    let (mut buildings, _) = read_buildings(city, ground, &dataset, Selection::Fids(&standing), |_| {})?;
+    let (mut buildings, _) = read_buildings(place, &dataset, Selection::Fids(&standing), |_| {})?;
     buildings.extend(after.iter().cloned());
     buildings.sort_by_key(|building| building.fid);
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
@@ -197,10 +208,9 @@ fn open_dataset(city: &City) -> Result<FootprintSource, CityError> {
     Ok(FootprintSource::open_footprint_dataset(&city.footprint_dataset_path())?.require_ids()?)
 }
 
-fn open_changes(city: &City, path: &Path, options: &UpdateOptions) -> Result<FootprintSource, CityError> {
-    let own = Crs::from_text(&city.manifest().crs)?;
+fn open_changes(own: &Crs, path: &Path, options: &UpdateOptions) -> Result<FootprintSource, CityError> {
     let given = options.crs.as_deref().map(Crs::from_text).transpose()?;
-    let choice = CrsChoice::new(given, Some(&own));
+    let choice = CrsChoice::new(given, Some(own));
     Ok(FootprintSource::open(path, options.layer.as_deref(), &choice)?.require_ids()?)
 }
 
@@ -230,21 +240,19 @@ fn require_height_fields(
 
 /// Footprints on the city's ground, by id, and what became of them.
 fn read_buildings(
-    city: &City,
-    ground: &GroundCache,
+    place: &Place<'_>,
     source: &FootprintSource,
     selection: Selection<'_>,
     mut each: impl FnMut(&Footprint),
 ) -> Result<(Vec<Building>, FootprintReport), CityError> {
-    let manifest = city.manifest();
-    let crs = Crs::from_text(&manifest.crs)?;
-    let to = (&crs, &manifest.height_rule, manifest.default_height_m);
+    let manifest = place.city.manifest();
+    let to = (place.crs, &manifest.height_rule, manifest.default_height_m);
     let mut footprints = Vec::new();
     let mut report = source.read_selected(selection, to, |footprint| {
         each(&footprint);
         footprints.push(footprint);
     })?;
-    let raised = raise_on_tiles(footprints, ground)?;
+    let raised = raise_on_tiles(footprints, place.ground)?;
     raised.count_in(&mut report);
     Ok((raised.buildings, report))
 }
@@ -261,12 +269,17 @@ fn refuse_edited(city: &City) -> Result<(), CityError> {
     }
 }
 
-fn require_inside(city: &City, buildings: &[Building]) -> Result<(), CityError> {
+/// Refuses buildings that come to reach beyond the tiles: an import would make more of them.
+fn require_inside(city: &City, before: &[Building], after: &[Building]) -> Result<(), CityError> {
     let bounds = city.manifest().grid.bounds();
-    let outside = buildings
+    let reaches_out = |building: &&Building| bounds.union(&building.bounds()) != bounds;
+    let out_before: HashSet<u32> = before
         .iter()
-        .find(|building| bounds.union(&building.bounds()) != bounds);
-    match outside {
+        .filter(reaches_out)
+        .map(|building| building.fid)
+        .collect();
+    let mut outside = after.iter().filter(reaches_out);
+    match outside.find(|building| !out_before.contains(&building.fid)) {
         Some(building) => Err(CityError::OutsideCity {
             path: city.folder().to_owned(),
             fid: building.fid,

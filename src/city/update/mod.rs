@@ -14,13 +14,14 @@ pub(super) use transaction::{COMMITTED, PARTIAL, Pending};
 
 use std::path::PathBuf;
 
-use changes::{Changes, by_comparing, from_file};
+use changes::{Changes, Place, by_comparing, from_file};
 use lock::CityLock;
 use transaction::{Transaction, finish_interrupted};
 
 use super::ground_cache::GroundCache;
 use super::{City, CityError, Manifest};
 use crate::source::FootprintReport;
+use crate::space::Crs;
 
 /// What to change.
 #[derive(Clone, Debug)]
@@ -68,14 +69,20 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
         manifest.terrain_side,
         manifest.terrain_step_m,
     );
+    let crs = Crs::from_text(&manifest.crs)?;
+    let place = Place {
+        city: &city,
+        crs: &crs,
+        ground: &ground,
+    };
     let changes = if options.buildings.is_none() && options.delete.is_empty() {
-        by_comparing(&city, &ground)?
+        by_comparing(&place)?
     } else {
-        from_file(&city, &ground, options)?
+        from_file(&place, options)?
     };
     let manifest = changed_manifest(manifest, &changes);
     if !changes.is_empty() {
-        Transaction::begin(&city)?.commit(&changes, &manifest)?;
+        Transaction::begin(&place)?.commit(&changes, &manifest)?;
     }
     let written = changes.tiles.iter().filter(|tile| tile.map.is_some()).count();
     Ok(UpdateReport {

@@ -8,14 +8,15 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::changes::Changes;
+use super::changes::{Changes, Place, TileChange};
 use crate::city::codec::write_buildings;
 use crate::city::geotiff::GeoKeys;
-use crate::city::{City, CityError, Layer, Manifest};
+use crate::city::{CityError, Layer, Manifest};
 use crate::source::{FootprintDatasetEditor, FootprintDatasetWriter, FootprintSource};
-use crate::space::{Crs, TileId};
+use crate::space::TileId;
 
 /// Folder of an update in the making.
 pub const PARTIAL: &str = "update.partial";
@@ -72,7 +73,7 @@ impl Pending {
 
 /// An update in the making.
 pub struct Transaction<'a> {
-    city: &'a City,
+    place: &'a Place<'a>,
     folder: PathBuf,
 }
 
@@ -81,12 +82,12 @@ impl<'a> Transaction<'a> {
     ///
     /// # Errors
     /// When the folder cannot be made.
-    pub fn begin(city: &'a City) -> Result<Self, CityError> {
-        let folder = city.folder().join(PARTIAL);
+    pub fn begin(place: &'a Place<'a>) -> Result<Self, CityError> {
+        let folder = place.city.folder().join(PARTIAL);
         remove_folder(&folder)?;
         let tiles = folder.join(Layer::Buildings.name()).join("0");
         fs::create_dir_all(&tiles).map_err(CityError::file(&tiles))?;
-        Ok(Self { city, folder })
+        Ok(Self { place, folder })
     }
 
     /// Writes the changes and makes them hold.
@@ -94,25 +95,25 @@ impl<'a> Transaction<'a> {
     /// # Errors
     /// When a file cannot be written.
     pub fn commit(self, changes: &Changes, manifest: &Manifest) -> Result<(), CityError> {
-        let crs = Crs::from_text(&manifest.crs)?;
-        let keys = GeoKeys::from_crs(&crs)?;
+        let (city, crs) = (self.place.city.folder(), self.place.crs);
+        let keys = GeoKeys::from_crs(crs)?;
         let mut plan = Plan {
             buildings: changes.deleted.clone(),
             ..Plan::default()
         };
-        for tile in &changes.tiles {
-            match &tile.map {
-                Some(map) => {
-                    let path = Layer::Buildings.tile_path(&self.folder, tile.id);
-                    write_buildings(&path, &manifest.grid.tile_bounds(tile.id), map, &keys)?;
-                }
-                None => plan.tiles.push([tile.id.x, tile.id.y]),
-            }
+        for tile in changes.tiles.iter().filter(|tile| tile.map.is_none()) {
+            plan.tiles.push([tile.id.x, tile.id.y]);
         }
+        let write = |tile: &TileChange| -> Result<(), CityError> {
+            let Some(map) = &tile.map else { return Ok(()) };
+            let path = Layer::Buildings.tile_path(&self.folder, tile.id);
+            write_buildings(&path, &manifest.grid.tile_bounds(tile.id), map, &keys)
+        };
+        changes.tiles.par_iter().try_for_each(write)?;
         if let Some(source) = &changes.source
             && !changes.outlines.is_empty()
         {
-            let mut dataset = FootprintDatasetWriter::create(&self.folder.join(FOOTPRINTS), &crs)?;
+            let mut dataset = FootprintDatasetWriter::create(&self.folder.join(FOOTPRINTS), crs)?;
             source.copy_to(&mut dataset, |fid| changes.outlines.get(&fid))?;
             dataset.finish()?;
         }
@@ -128,10 +129,10 @@ impl<'a> Transaction<'a> {
             fs::write(&path, text).map_err(CityError::file(&path))?;
         }
         sync_all(&self.folder)?;
-        let committed = self.city.folder().join(COMMITTED);
+        let committed = city.join(COMMITTED);
         fs::rename(&self.folder, &committed).map_err(CityError::file(&committed))?;
-        sync_folder(self.city.folder())?;
-        finish_interrupted(self.city.folder())
+        sync_folder(city)?;
+        finish_interrupted(city)
     }
 }
 

@@ -67,7 +67,18 @@ impl FootprintDatasetWriter {
             })?;
             Ok(dataset)
         };
-        let dataset = create().map_err(|error| write_error(gdal_says(&error)))?;
+        // The new file lies in a folder that is made durable, or thrown away, as a whole: SQLite need not do so at each step.
+        let options = ["OGR_SQLITE_SYNCHRONOUS", "OGR_SQLITE_JOURNAL"];
+        for option in options {
+            gdal::config::set_thread_local_config_option(option, "OFF")
+                .map_err(|error| write_error(gdal_says(&error)))?;
+        }
+        let dataset = create();
+        for option in options {
+            gdal::config::clear_thread_local_config_option(option)
+                .map_err(|error| write_error(gdal_says(&error)))?;
+        }
+        let dataset = dataset.map_err(|error| write_error(gdal_says(&error)))?;
         // SAFETY: the dataset is open; a driver without transactions only returns an error.
         unsafe { gdal_sys::GDALDatasetStartTransaction(dataset.c_dataset(), 0) };
         Ok(Self {

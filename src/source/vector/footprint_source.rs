@@ -117,7 +117,10 @@ impl FootprintSource {
             // SAFETY: the layer is alive, and its text is copied at once.
             let column = unsafe { std::ffi::CStr::from_ptr(gdal_sys::OGR_L_GetFIDColumn(layer.c_layer())) };
             let [column, name] = [column.to_str().ok()?, &layer.name()].map(|name| name.replace('"', "\"\""));
-            let query = format!("SELECT MIN(\"{column}\"), MAX(\"{column}\") FROM \"{name}\"");
+            // Each alone SQLite answers from its index; both at once it would scan the table.
+            let query = format!(
+                "SELECT (SELECT MIN(\"{column}\") FROM \"{name}\"), (SELECT MAX(\"{column}\") FROM \"{name}\")"
+            );
             let mut result = self
                 .dataset
                 .execute_sql(query, None, gdal::vector::sql::Dialect::DEFAULT);
