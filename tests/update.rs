@@ -15,7 +15,11 @@ use gdal::vector::{
 };
 use gdal::{Dataset, DatasetOptions, DriverManager, GdalOpenFlags};
 use rilievo::city::City;
-use support::{import_arguments, rilievo, sample, succeed};
+use rilievo::gpu::Gpu;
+use rilievo::output::Renderer;
+use rilievo::scene::TerrainMesh;
+use rilievo::space::Sun;
+use support::{copied, import_arguments, rilievo, sample, succeed, walk};
 
 /// A footprint as the dataset holds it: rings of points, and its attributes as text.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,34 +43,6 @@ fn records(path: &Path) -> BTreeMap<u64, Record> {
             (feature.fid().unwrap(), record)
         })
         .collect()
-}
-
-/// A copy of the sample city that may be changed.
-fn copied(folder: &Path) -> PathBuf {
-    let (from, city) = (sample().join("city"), folder.join("city"));
-    for entry in walk(&from) {
-        let to = city.join(entry.strip_prefix(&from).unwrap());
-        fs::create_dir_all(to.parent().unwrap()).unwrap();
-        fs::copy(&entry, to).unwrap();
-    }
-    // Written last, as by an import.
-    let manifest = fs::read(from.join("city.toml")).unwrap();
-    fs::write(city.join("city.toml"), manifest).unwrap();
-    city
-}
-
-/// Every file under a folder.
-fn walk(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => found.extend(walk(&path)),
-            false => found.push(path),
-        }
-    }
-    found.sort();
-    found
 }
 
 fn tiles(city: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -362,6 +338,53 @@ fn only_the_tiles_under_a_changed_building_are_written() {
     // The same again changes no tile.
     let again = update(&[&city, &"--buildings", &path]);
     assert_eq!(again["tiles_written"], 0, "{again}");
+}
+
+/// A renderer that follows an update shows what a renderer of the updated city shows, without reading ground or imagery again.
+#[test]
+fn an_open_city_follows_an_update() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder_of_city = copied(folder.path());
+    let city = City::open(&folder_of_city).unwrap();
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    let (_, eye, target) = support::VIEWS[1];
+    let camera = support::pinhole(eye, target, 1.0);
+    let sun = Sun::from_azimuth_altitude(200.0, 40.0);
+    let request = support::request(&camera, &sun, [96, 54]);
+    let before = renderer.still(&request, 1).unwrap();
+    // All that are seen go, but for one, which grows.
+    let mut seen: Vec<u32> = before.ids.iter().copied().filter(|&id| id > 0).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    assert!(seen.len() > 20, "{} buildings in view", seen.len());
+    let fid = u64::from(seen.pop().unwrap());
+    let record = records(&folder_of_city.join("buildings.gpkg"))[&fid].clone();
+    let path = folder.path().join("changes.gpkg");
+    let rings = rings(&record.wkb);
+    let height_m = 55.0;
+    write_changes(&path, &[Change { fid, rings, height_m }]);
+    let list: Vec<String> = seen.iter().map(u32::to_string).collect();
+    update(&[
+        &folder_of_city,
+        &"--buildings",
+        &path,
+        &"--delete",
+        &list.join(","),
+    ]);
+
+    let newer = city.updated().unwrap().expect("another generation");
+    assert!(newer.updated().unwrap().is_none());
+    assert!(renderer.follow(&newer).unwrap() > 0);
+    let followed = renderer.still(&request, 1).unwrap();
+    let mut fresh = Renderer::open(Gpu::open().unwrap(), &newer, TerrainMesh::Tin).unwrap();
+    let opened = fresh.still(&request, 1).unwrap();
+    assert_eq!(followed.ids, opened.ids);
+    assert!(followed.rgba == opened.rgba, "the images differ");
+    assert!(
+        followed.ids.iter().all(|id| !seen.contains(id)),
+        "what was deleted is gone"
+    );
+    assert_ne!(followed.ids, before.ids);
 }
 
 /// A dataset edited behind the program's back, as in QGIS: also with an outline that crosses itself and one drawn clockwise.

@@ -85,12 +85,11 @@ struct Viewer<'a> {
 }
 
 impl<'a> Viewer<'a> {
-    fn open(display: &'a Display, folder: &Path) -> Self {
+    fn open(display: &'a Display, city: &Path, folder: &Path) -> Self {
         let journal = folder.join("journal.jsonl");
-        let city = support::sample().join("city");
         let program = Command::new(support::PROGRAM)
             .arg("fly")
-            .arg(&city)
+            .arg(city)
             .args(["--size", "640x360", "--time", "2026-06-21T14:00:00+02:00"])
             .args(["--eye", "288900,4772600,400", "--look", "289180,4773000,215"])
             .arg("--images")
@@ -234,7 +233,7 @@ fn the_window_does_what_the_mouse_and_the_keys_say() {
     let renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
     let tiles = &renderer.resident.tiles;
     let folder = tempfile::tempdir().unwrap();
-    let mut viewer = Viewer::open(&display, folder.path());
+    let mut viewer = Viewer::open(&display, &support::sample().join("city"), folder.path());
 
     // A drag with the left button: what was under the cursor still is.
     let before = viewer.at_rest(|_| true);
@@ -315,6 +314,28 @@ fn the_window_does_what_the_mouse_and_the_keys_say() {
     assert_eq!([width, height], SIZE);
 
     assert_eq!(viewer.close(), Some(0), "closing ends the program with status 0");
+}
+
+/// A city that is updated while its window is open is shown as it is then.
+#[test]
+fn an_open_window_shows_an_update() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let city = support::copied(folder.path());
+    let mut viewer = Viewer::open(&display, &city, folder.path());
+    viewer.at_rest(|frame| frame["generation"] == 0);
+    support::succeed(&[
+        "update".as_ref(),
+        city.as_os_str(),
+        "--delete".as_ref(),
+        "100,200".as_ref(),
+    ]);
+    let begun = Instant::now();
+    viewer.wait_for("frame of the updated city", |frames| {
+        frames.last().is_some_and(|frame| frame["generation"] == 1)
+    });
+    println!("shown {:?} after the update", begun.elapsed());
+    assert_eq!(viewer.close(), Some(0));
 }
 
 /// Without a display the reason is said, with status 1.

@@ -1,14 +1,16 @@
 //! An opened city folder: finds and reads its tiles. Pure Rust, no GDAL.
 
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use super::codec::{self, ImageryTile, TerrainTile};
 use super::layer::Layer;
 use super::manifest::FORMAT;
 use super::update::Pending;
 use super::{CityError, Manifest, Tile};
-use crate::buildings::BuildingMap;
+use crate::buildings::{BuildingMap, MapTile};
 use crate::space::TileId;
+use crate::terrain::HeightTile;
 
 /// A city on disk.
 #[derive(Clone, Debug)]
@@ -136,6 +138,12 @@ impl City {
         is_kept && self.existing(layer, tile).is_some()
     }
 
+    /// Time and length of a layer's file, which tell whether an update wrote it; none without one.
+    pub fn stamp(&self, layer: Layer, tile: TileId) -> Option<(SystemTime, u64)> {
+        let data = std::fs::metadata(self.existing(layer, tile)?).ok()?;
+        Some((data.modified().ok()?, data.len()))
+    }
+
     /// Ground of a tile, none where the city has none.
     pub fn terrain(&self, tile: TileId) -> Result<Option<TerrainTile>, CityError> {
         self.existing(Layer::Terrain, tile)
@@ -156,6 +164,15 @@ impl City {
             .filter(|_| self.manifest.imagery_side > 0)
             .map(|path| codec::read_imagery(&path, self.manifest.imagery_side))
             .transpose()
+    }
+
+    /// Building map of a tile with its bounds, for a tile whose ground is known.
+    ///
+    /// # Errors
+    /// When its file is damaged.
+    pub fn map_tile(&self, tile: TileId, ground: Option<&HeightTile>) -> Result<Option<MapTile>, CityError> {
+        let lowest = ground.and_then(HeightTile::range).map(|[lowest, _]| lowest);
+        Ok(self.buildings(tile)?.map(|map| MapTile::new(map, lowest)))
     }
 
     /// All layers of a tile.

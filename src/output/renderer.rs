@@ -30,12 +30,20 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Loads a city onto a device.
+    /// Loads a city onto a device: as it is on disk when its last tile is read, should an update come in between.
     ///
     /// # Errors
     /// When a tile is damaged, or the device cannot hold the city.
     pub fn open(gpu: Gpu, city: &City, mesh: TerrainMesh) -> Result<Self, RenderError> {
-        let resident = Resident::load(&gpu, city, mesh)?;
+        let loaded = Resident::load(&gpu, city, mesh);
+        let resident = match (loaded, city.updated()?) {
+            (loaded, None) => loaded?,
+            (Ok(mut resident), Some(newer)) => {
+                resident.take_buildings(&gpu, &newer)?;
+                resident
+            }
+            (Err(_), Some(newer)) => Resident::load(&gpu, &newer, mesh)?,
+        };
         let renderer = Self {
             relief: ReliefPass::new(&gpu, &resident),
             accumulate: AccumulatePass::new(&gpu),
@@ -50,6 +58,17 @@ impl Renderer {
         // So that a shader or pipeline that the device refuses is told here.
         renderer.gpu.wait()?;
         Ok(renderer)
+    }
+
+    /// Follows an update of the city: the next frame shows its buildings. Ground and imagery are not touched. How many tiles
+    /// changed.
+    ///
+    /// # Errors
+    /// When a tile is damaged, or the device cannot hold the city.
+    pub fn follow(&mut self, city: &City) -> Result<usize, RenderError> {
+        let changed = self.resident.take_buildings(&self.gpu, city)?;
+        self.relief.bind_city(&self.gpu, &self.resident);
+        Ok(changed)
     }
 
     /// Loads the mesh for `ReliefMode::Polygons` beside the building map; gives the buildings that it shows.

@@ -30,8 +30,20 @@ impl CityBindings {
 
     /// Binds a resident city.
     pub fn new(gpu: &Gpu, resident: &Resident) -> Self {
-        use wgpu::BindingResource::TextureView;
         let layout = gpu.layout("city", &Self::TYPES);
+        Self {
+            group: Self::group(gpu, &layout, resident),
+            layout,
+        }
+    }
+
+    /// Binds it again, as parts of it were made anew.
+    pub fn bind(&mut self, gpu: &Gpu, resident: &Resident) {
+        self.group = Self::group(gpu, &self.layout, resident);
+    }
+
+    fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, resident: &Resident) -> wgpu::BindGroup {
+        use wgpu::BindingResource::TextureView;
         let (maps, ground) = (&resident.maps, &resident.ground);
         let resources = [
             TextureView(&resident.tile_table),
@@ -45,9 +57,6 @@ impl CityBindings {
             TextureView(&ground.heights.view),
             TextureView(&ground.bounds.view),
         ];
-        Self {
-            group: gpu.group("city", &layout, &resources),
-            layout,
-        }
+        gpu.group("city", layout, &resources)
     }
 }

@@ -74,6 +74,11 @@ impl ReliefPass {
         }
     }
 
+    /// Binds the resident city again, as its building maps were made anew.
+    pub fn bind_city(&mut self, gpu: &Gpu, resident: &Resident) {
+        self.city.bind(gpu, resident);
+    }
+
     /// Uploads the mesh that [`ReliefMode::Polygons`] draws.
     ///
     /// # Errors

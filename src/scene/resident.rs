@@ -1,5 +1,7 @@
 //! A city's tiles made resident: on the GPU for drawing, on the CPU for rays.
 
+use std::time::SystemTime;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -10,7 +12,7 @@ use super::map_tiles::{MapTiles, MapUpload};
 use super::tile_set::{GroundTile, TileSet, WalkTile};
 use crate::city::{City, CityError, Layer, Tile};
 use crate::gpu::{Gpu, filled_texture};
-use crate::space::TileId;
+use crate::space::{TileGrid, TileId};
 
 /// A resident city.
 pub struct Resident {
@@ -26,6 +28,10 @@ pub struct Resident {
     pub terrain_side: u32,
     /// Per grid tile: building slot, imagery layer, terrain layer, 0; -1 = none.
     pub tile_table: wgpu::TextureView,
+    /// The same, as uploaded.
+    table: Vec<[i32; 4]>,
+    /// What tells whether an update wrote a tile's building map.
+    stamps: Vec<Option<(SystemTime, u64)>>,
     /// Ground.
     pub ground: GroundTiles,
     /// Building maps.
@@ -48,6 +54,7 @@ impl Resident {
         city.require_all_tiles()?;
         let manifest = city.manifest();
         let ids: Vec<TileId> = manifest.grid.tiles().collect();
+        let stamps = ids.iter().map(|&id| city.stamp(Layer::Buildings, id)).collect();
         let count = |layer| manifest.tile_count(layer) as u32;
         let terrain_side = manifest.terrain_side as u32;
         let tile_texels = manifest.tile_texels as u32;
@@ -85,19 +92,53 @@ impl Resident {
         let grid = &manifest.grid;
         let max = u64::from(gpu.device.limits().max_texture_dimension_2d);
         gpu.require("the tile grid", u64::from(grid.columns.max(grid.rows)), max)?;
-        let table_size = [grid.columns, grid.rows];
-        let format = wgpu::TextureFormat::Rgba32Sint;
         Ok(Self {
+            stamps,
+            tile_table: table_view(gpu, grid, &table),
+            table,
             tiles,
             texel_m: manifest.texel_m,
             tile_texels,
             terrain_step_m: manifest.terrain_step_m,
             terrain_side,
-            tile_table: filled_texture(gpu, "tile table", table_size, format, &table),
             ground: ground.finish(gpu)?,
             maps: maps.finish(gpu)?,
             imagery,
         })
+    }
+
+    /// Takes over the building maps of the city after an update: those whose files changed are read, ground and imagery stay.
+    /// How many changed.
+    ///
+    /// # Errors
+    /// When a tile is damaged, or the device cannot hold them.
+    pub fn take_buildings(&mut self, gpu: &Gpu, city: &City) -> Result<usize, SceneError> {
+        let grid = city.manifest().grid;
+        let ids: Vec<TileId> = grid.tiles().collect();
+        let mut changed = 0;
+        for (&id, stamp) in ids.iter().zip(&mut self.stamps) {
+            let now = city.stamp(Layer::Buildings, id);
+            if now == *stamp {
+                continue;
+            }
+            let ground = self.tiles.tile(id).and_then(|tile| tile.ground.as_ref());
+            let map = city.map_tile(id, ground.map(|ground| &ground.heights))?;
+            self.tiles.replace_buildings(id, map);
+            *stamp = now;
+            changed += 1;
+        }
+        let buildings = |id: TileId| self.tiles.tile(id)?.buildings.as_ref();
+        let count = ids.iter().filter(|&&id| buildings(id).is_some()).count();
+        let mut maps = MapUpload::new(gpu, self.tile_texels, count as u32)?;
+        for (&id, entry) in ids.iter().zip(&mut self.table) {
+            let map = self.tiles.tile(id).and_then(|tile| tile.buildings.as_ref());
+            entry[0] = map.map_or(NONE, |map| maps.put(gpu, map) as i32);
+        }
+        self.maps = maps.finish(gpu)?;
+        self.tile_table = table_view(gpu, &grid, &self.table);
+        gpu.queue.submit([]);
+        gpu.wait()?;
+        Ok(changed)
     }
 
     /// Bytes resident on the GPU.
@@ -109,4 +150,9 @@ impl Resident {
     pub fn ground_at(&self, point: DVec2) -> Option<f64> {
         self.tiles.ground_at(point)
     }
+}
+
+fn table_view(gpu: &Gpu, grid: &TileGrid, table: &[[i32; 4]]) -> wgpu::TextureView {
+    let format = wgpu::TextureFormat::Rgba32Sint;
+    filled_texture(gpu, "tile table", [grid.columns, grid.rows], format, table)
 }

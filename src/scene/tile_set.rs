@@ -63,14 +63,38 @@ impl TileSet {
             let max = ground.bounds.max(GroundBounds::LEVELS - 1, 0, 0);
             self.max_ground = self.max_ground.max(max);
         }
-        if let Some(MapTile { pyramid, .. }) = &tile.buildings {
-            self.max_roof = self.max_roof.max(pyramid.max_height());
-            self.min_ground = self.min_ground.min(pyramid.min_height());
-        }
+        self.count_bounds(tile.buildings.as_ref());
         let index = self.index(id);
         if let Some(slot) = self.tiles.get_mut(index) {
             *slot = tile;
         }
+    }
+
+    fn count_bounds(&mut self, buildings: Option<&MapTile>) {
+        if let Some(MapTile { pyramid, .. }) = buildings {
+            self.max_roof = self.max_roof.max(pyramid.max_height());
+            self.min_ground = self.min_ground.min(pyramid.min_height());
+        }
+    }
+
+    /// Replaces the building map of a tile.
+    pub fn replace_buildings(&mut self, id: TileId, buildings: Option<MapTile>) {
+        let index = self.index(id);
+        let Some(slot) = self.tiles.get_mut(index) else {
+            return;
+        };
+        slot.buildings = buildings;
+        (self.max_roof, self.min_ground) = (f32::NEG_INFINITY, f32::INFINITY);
+        let tiles = std::mem::take(&mut self.tiles);
+        for tile in &tiles {
+            self.count_bounds(tile.buildings.as_ref());
+        }
+        self.tiles = tiles;
+    }
+
+    /// A tile of level 0.
+    pub fn tile(&self, id: TileId) -> Option<&WalkTile> {
+        self.tiles.get(self.index(id))
     }
 
     /// The tile in a column and row, none outside the grid.
@@ -86,8 +110,10 @@ impl TileSet {
     /// Ground at a point of the city, metres; none where there is none.
     pub fn ground_at(&self, point: DVec2) -> Option<f64> {
         let heights = |id: TileId| {
-            let tile = self.tiles.get(self.index(id));
-            Ok::<_, std::convert::Infallible>(tile.and_then(|tile| Some(&tile.ground.as_ref()?.heights)))
+            Ok::<_, std::convert::Infallible>(
+                self.tile(id)
+                    .and_then(|tile| Some(&tile.ground.as_ref()?.heights)),
+            )
         };
         let Ok(height) = ground_at(&self.grid, point, heights);
         height

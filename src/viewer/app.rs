@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::DVec2;
 use winit::application::ApplicationHandler;
@@ -68,6 +68,9 @@ pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
     app.failure.map_or(Ok(()), Err)
 }
 
+/// How often the city folder is looked at for updates.
+const LOOK: Duration = Duration::from_millis(300);
+
 struct App {
     started: Instant,
     options: ViewerOptions,
@@ -87,6 +90,8 @@ pub(super) struct Running {
     pub(super) cursor: DVec2,
     pub(super) frame_ms: f64,
     pub(super) last_frame: Instant,
+    pub(super) last_look: Instant,
+    pub(super) generation: u64,
     pub(super) message: String,
     pub(super) shows_panel: bool,
     pub(super) saves_image: bool,
@@ -128,6 +133,8 @@ impl App {
             cursor: DVec2::ZERO,
             frame_ms: 0.0,
             last_frame: Instant::now(),
+            last_look: Instant::now(),
+            generation: self.options.city.manifest().generation,
             message: String::new(),
             shows_panel: true,
             saves_image: false,
@@ -176,10 +183,20 @@ impl ApplicationHandler for App {
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         let Some(running) = &mut self.running else { return };
+        if running.last_look.elapsed() >= LOOK {
+            running.last_look = Instant::now();
+            // A city that cannot be opened just now is looked at again.
+            if let Ok(Some(newer)) = self.options.city.updated() {
+                match running.follow(&newer) {
+                    Ok(()) => self.options.city = newer,
+                    Err(error) => return self.fail(events, error),
+                }
+            }
+        }
         if running.wants_frame() {
             running.screen.window.request_redraw();
         }
-        events.set_control_flow(ControlFlow::Wait);
+        events.set_control_flow(ControlFlow::WaitUntil(running.last_look + LOOK));
     }
 }
 
@@ -198,6 +215,15 @@ impl Running {
     pub(super) fn moved(&mut self) {
         self.pace.moved(Instant::now());
         self.screen.window.request_redraw();
+    }
+
+    /// Shows the city as an update left it.
+    fn follow(&mut self, city: &City) -> Result<(), ViewerError> {
+        let tiles = self.renderer.follow(city)?;
+        self.generation = city.manifest().generation;
+        self.message = format!("updated: {tiles} tiles, generation {}", self.generation);
+        self.moved();
+        Ok(())
     }
 
     /// Draws the next frame, if one is wanted, and the screen. True when a frame was drawn.
@@ -321,6 +347,7 @@ impl Running {
             samples: self.pace.samples(),
             frame_ms: self.frame_ms,
             sun_time: self.state.clock.rfc3339(),
+            generation: self.generation,
         }
     }
 }

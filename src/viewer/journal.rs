@@ -29,6 +29,8 @@ pub struct FrameRecord {
     pub frame_ms: f64,
     /// The sun's instant, RFC 3339.
     pub sun_time: String,
+    /// Generation of the city.
+    pub generation: u64,
 }
 
 /// An open journal.

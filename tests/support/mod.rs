@@ -58,6 +58,34 @@ pub fn sample() -> &'static Path {
     })
 }
 
+/// A copy of the sample city that may be changed.
+pub fn copied(folder: &Path) -> PathBuf {
+    let (from, city) = (sample().join("city"), folder.join("city"));
+    for entry in walk(&from) {
+        let to = city.join(entry.strip_prefix(&from).unwrap());
+        std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+        std::fs::copy(&entry, to).unwrap();
+    }
+    // Written last, as by an import.
+    let manifest = std::fs::read(from.join("city.toml")).unwrap();
+    std::fs::write(city.join("city.toml"), manifest).unwrap();
+    city
+}
+
+/// Every file under a folder.
+pub fn walk(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => found.extend(walk(&path)),
+            false => found.push(path),
+        }
+    }
+    found.sort();
+    found
+}
+
 /// The arguments that import the sample's files.
 pub fn import_arguments(files: &Path, out: &Path) -> Vec<String> {
     let file = |name: &str| files.join(name).display().to_string();
