@@ -65,6 +65,8 @@ impl Raycaster {
             buildings: Vec::new(),
         };
         let dataset = Dataset::open(footprints).unwrap();
+        // A GeoPackage keeps ids, other files have places.
+        let keeps_ids = dataset.driver().short_name() == "GPKG";
         let mut layer = dataset.layer(0).unwrap();
         let to_city = city.as_ref().map(|city| {
             let source = easting_first(layer.spatial_ref().unwrap());
@@ -92,7 +94,10 @@ impl Raycaster {
                 continue;
             }
             let block = Block {
-                id: place,
+                id: match keeps_ids {
+                    true => feature.fid().unwrap() as u32,
+                    false => place,
+                },
                 low: [fold(0, f64::INFINITY, f64::min), fold(1, f64::INFINITY, f64::min)],
                 high: [
                     fold(0, f64::NEG_INFINITY, f64::max),
@@ -170,8 +175,14 @@ impl Raycaster {
         let step = (0.25 * pixel_m / plan).min(2.0);
         let mut before = 0.0;
         let mut t = 0.0;
+        // From below, as through a hole in the survey, there is no ground to meet.
+        let mut was_above = true;
         while t < reach {
             match above(t) {
+                Some(height) if height <= 0.0 && !was_above => {
+                    before = t;
+                    t += step.max(1.0);
+                }
                 Some(height) if height <= 0.0 => {
                     let (mut low, mut high) = (before, t);
                     for _ in 0..40 {
@@ -186,10 +197,12 @@ impl Raycaster {
                 }
                 // Far above the ground longer steps cannot jump over it: no slope is steeper than 3.
                 Some(height) => {
+                    was_above = true;
                     before = t;
                     t += step.max(height / (3.0 * plan + d[2].abs()) * 0.5);
                 }
                 None => {
+                    was_above = false;
                     before = t;
                     t += step.max(1.0);
                 }

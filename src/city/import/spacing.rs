@@ -23,14 +23,18 @@ const TILE_TOLERANCE: f64 = 0.25;
 const MAX_ERROR_M: f64 = 0.30;
 const MAX_WORSE: f64 = 0.001;
 const MAX_WORSE_IN_TILE: f64 = 0.01;
+/// Error that the bases of buildings should not exceed, metres, and the fraction of the ground that may.
+const MAX_BASE_ERROR_M: f64 = 0.10;
+const MAX_WORSE_BASE: f64 = 0.002;
 
 /// Step from which no finer one is tried, metres and fraction of a pixel.
 const FINE_STEP_M: f64 = 4.0;
 const FINE_PIXELS: f64 = 0.25;
 
-/// The same where the city is so small that its samples are few, and how many those are (64 MiB of heights).
+/// The same where the city is so small that its samples are few, and how many those are (128 MiB of heights).
+const CLOSE_STEP_M: f64 = 2.0;
 const CLOSE_PIXELS: f64 = 0.125;
-const CLOSE_SAMPLES: f64 = 16e6;
+const CLOSE_SAMPLES: f64 = 32e6;
 
 /// Tiles on which a step is tried, at most.
 const TRIAL_TILES: usize = 64;
@@ -81,16 +85,17 @@ impl Spacing {
             intervals.next_power_of_two().min(MAX_INTERVALS)
         };
         let coarsest = halved(1.2 * pixel_m);
-        let limit =
-            |pixels: f64| halved((pixels * pixel_m).min(FINE_STEP_M).max(0.5 * texel_m)).max(coarsest);
+        let limit = |pixels: f64, step_m: f64| {
+            halved((pixels * pixel_m).min(step_m).max(0.5 * texel_m)).max(coarsest)
+        };
         let samples = |intervals: usize| {
             f64::from(grid.columns) * f64::from(grid.rows) * (intervals * intervals) as f64
         };
-        let close = limit(CLOSE_PIXELS);
+        let close = limit(CLOSE_PIXELS, CLOSE_STEP_M);
         let finest = if samples(close) <= CLOSE_SAMPLES {
             close
         } else {
-            limit(FINE_PIXELS)
+            limit(FINE_PIXELS, FINE_STEP_M)
         };
         let mut intervals = coarsest;
         if intervals < finest {
@@ -132,19 +137,21 @@ impl Trial {
 
     /// True when every `stride`-th sample carries the ground between.
     fn is_followed_by(&self, stride: usize) -> bool {
-        let fractions = self.tiles.iter().filter_map(|tile| fraction_off(tile, stride));
-        let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
-        for fraction in fractions {
+        let fractions = self.tiles.iter().filter_map(|tile| fractions_off(tile, stride));
+        let (mut sum, mut sum_base, mut worst, mut count) = (0.0, 0.0, 0.0_f64, 0.0);
+        for [fraction, fraction_base] in fractions {
             sum += fraction;
+            sum_base += fraction_base;
             worst = worst.max(fraction);
             count += 1.0;
         }
-        sum <= MAX_WORSE * count && worst <= MAX_WORSE_IN_TILE
+        sum <= MAX_WORSE * count && worst <= MAX_WORSE_IN_TILE && sum_base <= MAX_WORSE_BASE * count
     }
 }
 
-/// Fraction of a tile's samples that lie too far from the surface over every `stride`-th; none without ground.
-fn fraction_off(tile: &HeightTile, stride: usize) -> Option<f64> {
+/// Fractions of a tile's samples that lie too far from the surface over every `stride`-th, for the ground and for bases of
+/// buildings; none without ground.
+fn fractions_off(tile: &HeightTile, stride: usize) -> Option<[f64; 2]> {
     let side = (tile.side - 1) / stride + 1;
     let coarse = HeightTile {
         side,
@@ -159,10 +166,11 @@ fn fraction_off(tile: &HeightTile, stride: usize) -> Option<f64> {
         .iter()
         .zip(&tile.heights)
         .map(|(a, b)| f64::from((a - b).abs()));
-    let (mut off, mut known) = (0.0, 0.0);
+    let (mut off, mut off_base, mut known) = (0.0, 0.0, 0.0);
     for error in errors.filter(|error| error.is_finite()) {
         known += 1.0;
         off += f64::from(u8::from(error > MAX_ERROR_M));
+        off_base += f64::from(u8::from(error > MAX_BASE_ERROR_M));
     }
-    (known > 0.0).then(|| off / known)
+    (known > 0.0).then(|| [off / known, off_base / known])
 }

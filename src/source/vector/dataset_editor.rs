@@ -129,7 +129,7 @@ fn columns_of(source: &Defn, target: &Defn) -> Vec<i32> {
     let fields = source.fields();
     fields
         .map(|field| {
-            let index = target.field_index(&field.name());
+            let index = target.field_index(field.name());
             index
                 .ok()
                 .and_then(|index| i32::try_from(index).ok())
