@@ -248,3 +248,55 @@ fn the_pyramid_bounds_every_texel_and_words_name_real_buildings() {
     }
     assert_eq!(buildings.len() as u64, city.manifest().buildings);
 }
+
+/// A region of a size asked for: the same files every time, as many buildings as named, on the ground; refused where they do not fit.
+#[test]
+fn a_region_has_the_buildings_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second, city] = ["first", "second", "city"].map(|name| folder.path().join(name));
+    for region in [&first, &second] {
+        succeed(&[
+            "sample".as_ref(),
+            "--buildings".as_ref(),
+            "2500".as_ref(),
+            "--km2".as_ref(),
+            "9".as_ref(),
+            region.as_os_str(),
+        ]);
+    }
+    let (a, b) = (contents(&first), contents(&second));
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+    assert!(a.iter().all(|(path, bytes)| *bytes == b[path]), "two runs differ");
+    let files = [first.join("terrain.tif"), first.join("buildings.gpkg")];
+    let [terrain, buildings] = files.each_ref().map(|path| path.as_os_str());
+    succeed(&[
+        "import".as_ref(),
+        "--terrain".as_ref(),
+        terrain,
+        "--buildings".as_ref(),
+        buildings,
+        "--height-field".as_ref(),
+        "height_m".as_ref(),
+        "--out".as_ref(),
+        city.as_os_str(),
+    ]);
+    let opened = City::open(&city).unwrap();
+    let manifest = opened.manifest();
+    assert_eq!(manifest.buildings, 2500);
+    assert_eq!(manifest.footprints.repaired.len(), 0, "{:?}", manifest.footprints);
+    let bounds = manifest.grid.bounds();
+    let km2 = bounds.width() * bounds.height() * 1e-6;
+    assert!((7.0..12.0).contains(&km2), "{km2} km2");
+
+    let refused = rilievo(&[
+        "sample".as_ref(),
+        "--buildings".as_ref(),
+        "90000".as_ref(),
+        "--km2".as_ref(),
+        "1".as_ref(),
+        second.as_os_str(),
+    ]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(said.contains("fit") && said.contains("--km2"), "{said}");
+}

@@ -34,6 +34,8 @@ pub struct Block {
     pub ring: Ring,
     /// What stands on it.
     pub kind: BlockKind,
+    /// How urban it is, 0 to 1.
+    pub urban: f64,
 }
 
 /// All blocks of the town.
@@ -46,7 +48,7 @@ pub fn blocks() -> Vec<Block> {
         1560.0,
     );
     let mut rings = Vec::new();
-    split(whole, 0, &mut chance, &mut rings);
+    split(whole, 0, &density, (&mut chance, &mut rings));
     rings.retain(is_buildable);
     let nearest = |to: DVec2| {
         let by_distance = |ring: &Ring| centre(ring).distance(to);
@@ -66,13 +68,23 @@ pub fn blocks() -> Vec<Block> {
     rings
         .into_iter()
         .zip(kinds)
-        .map(|(ring, kind)| Block { ring, kind })
+        .map(|(ring, kind)| Block {
+            urban: density(centre(&ring)),
+            ring,
+            kind,
+        })
         .collect()
 }
 
-fn split(ring: Ring, depth: u32, chance: &mut Chance, leaves: &mut Vec<Ring>) {
+/// Cuts a ring into blocks, the larger the less urban (`urban`: 0 to 1) the place is.
+pub fn split(
+    ring: Ring,
+    depth: u32,
+    urban: &dyn Fn(DVec2) -> f64,
+    (chance, leaves): (&mut Chance, &mut Vec<Ring>),
+) {
     let centre = centre(&ring);
-    let wanted = 2900.0 + 6200.0 * (1.0 - density(centre)).powf(1.4);
+    let wanted = 2900.0 + 6200.0 * (1.0 - urban(centre)).powf(1.4);
     if ring.len() < 3 || area(&ring) < wanted * chance.between(0.75, 1.35) {
         leaves.push(without_short_edges(&ring, 4.0));
         return;
@@ -87,13 +99,13 @@ fn split(ring: Ring, depth: u32, chance: &mut Chance, leaves: &mut Vec<Ring>) {
     };
     let through = centre + shift;
     let aside = across.perp() * half_street;
-    split(left_of(&ring, through + aside, across), depth + 1, chance, leaves);
-    split(
+    let halves = [
+        left_of(&ring, through + aside, across),
         left_of(&ring, through - aside, -across),
-        depth + 1,
-        chance,
-        leaves,
-    );
+    ];
+    for half in halves {
+        split(half, depth + 1, urban, (&mut *chance, &mut *leaves));
+    }
 }
 
 fn is_buildable(ring: &Ring) -> bool {

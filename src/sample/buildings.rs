@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::blocks::{Block, BlockKind};
 use super::features::{SampleBuilding, Tree};
-use super::landscape::{density, ground, river_half_width, river_point, water_level};
+use super::landscape::{ground, river_half_width, river_point, water_level};
 use super::noise::Chance;
 use super::shapes::{Ring, area, centre, edges, longest_direction, rectangle, round, set_back};
 
@@ -27,7 +27,7 @@ pub fn build(block: &Block, chance: &mut Chance, buildings: &mut Vec<SampleBuild
     match block.kind {
         BlockKind::Square => square(&block.ring, buildings, trees),
         BlockKind::Castle => castle(&block.ring, buildings, trees, chance),
-        BlockKind::Perimeter => perimeter(&block.ring, chance, buildings, trees),
+        BlockKind::Perimeter => perimeter(block, chance, buildings, trees),
         BlockKind::Terraces => row_houses(&block.ring, chance, buildings, trees),
         BlockKind::Villas => villas(&block.ring, chance, buildings, trees),
         BlockKind::Towers => towers(&block.ring, chance, buildings, trees),
@@ -78,9 +78,13 @@ fn parcels(ring: &Ring, depth: f64, width: f64, chance: &mut Chance) -> Vec<(Rin
     found
 }
 
-fn perimeter(ring: &Ring, chance: &mut Chance, buildings: &mut Vec<SampleBuilding>, trees: &mut Vec<Tree>) {
-    let urban = density(centre(ring));
-    let usual = if urban > 0.8 { 4.4 } else { 3.4 };
+fn perimeter(
+    Block { ring, urban, .. }: &Block,
+    chance: &mut Chance,
+    buildings: &mut Vec<SampleBuilding>,
+    trees: &mut Vec<Tree>,
+) {
+    let usual = if *urban > 0.8 { 4.4 } else { 3.4 };
     let depth = chance.between(10.5, 13.0);
     let found = parcels(ring, depth, 11.5, chance);
     let has_yard = set_back(ring, depth).is_some_and(|inner| area(&inner) > 160.0);

@@ -12,9 +12,10 @@ mod source_files;
 mod landscape;
 mod noise;
 mod orthophoto;
+mod region;
 mod shapes;
 mod town;
 
 pub use features::{SampleBuilding, Tree};
-pub use source_files::{SampleFiles, write_sample};
+pub use source_files::{SampleFiles, write_region, write_sample};
 pub use town::Town;

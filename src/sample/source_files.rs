@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::features::SampleBuilding;
 use super::landscape::{HEIGHT_M, WIDTH_M, ground};
 use super::orthophoto::paint;
+use super::region::Region;
 use super::town::Town;
 use crate::source::{SourceError, gdal_reference};
 use crate::space::Crs;
@@ -33,19 +34,49 @@ const CRS: &str = "EPSG:32633";
 /// South-west corner in that CRS, metres.
 const ORIGIN: DVec2 = DVec2::new(288_000.0, 4_772_000.0);
 const TERRAIN_PIXEL_M: f64 = 2.0;
+const REGION_PIXEL_M: f64 = 10.0;
 const IMAGERY_PIXEL_M: f64 = 0.5;
 /// Imagery tiles east-west and north-south.
 const IMAGERY_TILES: [usize; 2] = [2, 2];
 
-/// Writes terrain, footprints and orthophotos into a folder.
-pub fn write_sample(folder: &Path) -> Result<SampleFiles, SourceError> {
+/// The folder, made, and dates in its files fixed.
+fn prepare(folder: &Path) -> Result<(), SourceError> {
     let unwritable = |why: String| SourceError::Write {
         path: folder.to_owned(),
         why,
     };
     std::fs::create_dir_all(folder).map_err(|error| unwritable(error.to_string()))?;
     gdal::config::set_config_option("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z")
-        .map_err(|error| unwritable(error.to_string()))?;
+        .map_err(|error| unwritable(error.to_string()))
+}
+
+/// Writes terrain, 10 m, and `count` footprints of a made-up region of `km2` square kilometres into a folder; how many
+/// footprints there were beside it: fewer where they do not fit.
+pub fn write_region(folder: &Path, count: usize, km2: f64) -> Result<(SampleFiles, usize), SourceError> {
+    prepare(folder)?;
+    let region = Region::from_km2(km2);
+    let files = SampleFiles {
+        terrain: folder.join("terrain.tif"),
+        buildings: folder.join("buildings.gpkg"),
+        imagery: Vec::new(),
+    };
+    write_terrain(
+        &files.terrain,
+        DVec2::splat(region.side_m),
+        REGION_PIXEL_M,
+        Region::ground,
+    )?;
+    let mut written = 0;
+    write_building_batches(&files.buildings, |write| {
+        written = region.buildings(count, write)?;
+        Ok(())
+    })?;
+    Ok((files, written))
+}
+
+/// Writes terrain, footprints and orthophotos into a folder.
+pub fn write_sample(folder: &Path) -> Result<SampleFiles, SourceError> {
+    prepare(folder)?;
     let town = Town::new();
     let files = SampleFiles {
         terrain: folder.join("terrain.tif"),
@@ -60,7 +91,8 @@ pub fn write_sample(folder: &Path) -> Result<SampleFiles, SourceError> {
             })
             .collect(),
     };
-    write_terrain(&files.terrain)?;
+    let extent_m = DVec2::new(WIDTH_M, HEIGHT_M);
+    write_terrain(&files.terrain, extent_m, TERRAIN_PIXEL_M, ground)?;
     write_buildings(&files.buildings, &town.buildings)?;
     (0..files.imagery.len()).into_par_iter().try_for_each(|k| {
         write_imagery(
@@ -109,21 +141,24 @@ fn create_tiff<T: gdal::raster::GdalType>(
     Ok(dataset)
 }
 
-fn write_terrain(path: &Path) -> Result<(), SourceError> {
-    let size = [WIDTH_M, HEIGHT_M].map(|side| (side / TERRAIN_PIXEL_M) as usize);
+fn write_terrain(
+    path: &Path,
+    extent_m: DVec2,
+    pixel_m: f64,
+    ground: fn(DVec2) -> f64,
+) -> Result<(), SourceError> {
+    let size = extent_m.to_array().map(|side| (side / pixel_m).ceil() as usize);
+    let north = size[1] as f64 * pixel_m;
     let heights: Vec<f32> = (0..size[0] * size[1])
         .into_par_iter()
         .map(|k| {
             let (column, row) = ((k % size[0]) as f64 + 0.5, (k / size[0]) as f64 + 0.5);
-            let metres = ground(DVec2::new(
-                column * TERRAIN_PIXEL_M,
-                HEIGHT_M - row * TERRAIN_PIXEL_M,
-            ));
+            let metres = ground(DVec2::new(column * pixel_m, north - row * pixel_m));
             // A survey's centimetres.
             ((metres * 100.0).round() / 100.0) as f32
         })
         .collect();
-    let placement = [ORIGIN.x, ORIGIN.y + HEIGHT_M, TERRAIN_PIXEL_M];
+    let placement = [ORIGIN.x, ORIGIN.y + north, pixel_m];
     let options = ["COMPRESS=DEFLATE", "PREDICTOR=3", "TILED=YES"];
     let dataset = create_tiff::<f32>(path, placement, [size[0], size[1], 1], &options)?;
     let mut band = dataset.rasterband(1).map_err(write_error(path))?;
@@ -156,6 +191,17 @@ fn write_imagery(path: &Path, town: &Town, tile: [usize; 2]) -> Result<(), Sourc
 }
 
 fn write_buildings(path: &Path, buildings: &[SampleBuilding]) -> Result<(), SourceError> {
+    write_building_batches(path, |write| write(buildings))
+}
+
+/// Takes a batch of buildings.
+type WriteBatch<'a> = dyn FnMut(&[SampleBuilding]) -> Result<(), gdal::errors::GdalError> + 'a;
+
+/// Writes what `batches` hands over.
+fn write_building_batches(
+    path: &Path,
+    batches: impl FnOnce(&mut WriteBatch<'_>) -> Result<(), gdal::errors::GdalError>,
+) -> Result<(), SourceError> {
     if path.exists() {
         std::fs::remove_file(path).map_err(|error| SourceError::Write {
             path: path.to_owned(),
@@ -179,14 +225,17 @@ fn write_buildings(path: &Path, buildings: &[SampleBuilding]) -> Result<(), Sour
         ] {
             FieldDefn::new(name, kind)?.add_to_layer(&layer)?;
         }
-        for building in buildings {
-            let mut feature = Feature::new(layer.defn())?;
-            feature.set_field_string(0, building.kind)?;
-            feature.set_field_integer(1, building.storeys as i32)?;
-            feature.set_field_double(2, building.height_m)?;
-            feature.set_geometry(Geometry::from_wkt(&wkt_of(building))?)?;
-            feature.create(&layer)?;
-        }
+        batches(&mut |buildings| {
+            for building in buildings {
+                let mut feature = Feature::new(layer.defn())?;
+                feature.set_field_string(0, building.kind)?;
+                feature.set_field_integer(1, building.storeys as i32)?;
+                feature.set_field_double(2, building.height_m)?;
+                feature.set_geometry(Geometry::from_wkt(&wkt_of(building))?)?;
+                feature.create(&layer)?;
+            }
+            Ok(())
+        })?;
         transaction.commit()?;
         dataset.close()
     };
