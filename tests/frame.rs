@@ -11,7 +11,7 @@ use rilievo::camera::flare::{Aperture, Quality};
 use rilievo::camera::lens::built_in;
 use rilievo::camera::{Camera, LensOptics, Optics};
 use rilievo::city::City;
-use rilievo::gpu::Gpu;
+use rilievo::gpu::{Band, Gpu, read_texture};
 use rilievo::output::{FlareSettings, FrameRequest, Intermediate, Renderer};
 use rilievo::scene::TerrainMesh;
 use rilievo::space::{Pose, Sun};
@@ -74,6 +74,33 @@ fn a_second_frame_makes_no_resource_of_the_device() {
     }
     assert_eq!(renderer.gpu.creations(), second, "back at a size drawn before");
     renderer.gpu.wait().unwrap();
+}
+
+/// A frame drawn a band at a time is the frame drawn at once, to the last bit, and so are its second samples.
+#[test]
+fn bands_make_the_whole_frame() {
+    let mut renderer = renderer();
+    let (camera, sun, flare) = through_a_lens(250.0);
+    let request = FrameRequest {
+        flare: Some(&flare),
+        ..support::request(&camera, &sun, SIZE)
+    };
+    let image = |renderer: &Renderer| {
+        read_texture::<[u8; 4]>(&renderer.gpu, &renderer.image().unwrap().texture).unwrap()
+    };
+    let mut whole = Vec::new();
+    for sample in 0..2 {
+        renderer.frame(&request, sample).unwrap();
+        whole.push(image(&renderer));
+    }
+    assert!(whole[0] != whole[1], "the samples differ");
+    for (sample, whole) in (0..).zip(&whole) {
+        for index in 0..5 {
+            let band = Band { index, count: 5 };
+            renderer.frame_band(&request, sample, band).unwrap();
+        }
+        assert!(image(&renderer) == *whole, "sample {sample}");
+    }
 }
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -164,3 +164,51 @@ fn an_empty_layer_is_refused_as_empty() {
         "{message}"
     );
 }
+
+/// Closed polylines of an AutoCAD drawing (DXF reference, ENTITIES section), two layers of it.
+fn drawing(path: &Path, corner: [f64; 2]) {
+    let square = |layer: &str, [x, y]: [f64; 2]| {
+        let mut text = format!("0\nLWPOLYLINE\n8\n{layer}\n90\n4\n70\n1\n");
+        for [dx, dy] in [[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]] {
+            text += &format!("10\n{}\n20\n{}\n", x + dx, y + dy);
+        }
+        text
+    };
+    let [x, y] = corner;
+    let mut text = "0\nSECTION\n2\nENTITIES\n".to_owned();
+    for k in 0..3 {
+        text += &square("WALLS", [x + 30.0 * f64::from(k), y]);
+        text += &square("POOLS", [x + 30.0 * f64::from(k), y + 40.0]);
+    }
+    std::fs::write(path, text + "0\nENDSEC\n0\nEOF\n").unwrap();
+}
+
+/// Of a CAD drawing the named layer's outlines become buildings, and no others.
+#[test]
+fn a_layer_of_a_drawing_is_read_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.dxf");
+    drawing(&path, [289_000.0, 4_773_000.0]);
+    for (layer, expected) in [(Some("WALLS"), 3), (None, 6)] {
+        let out = folder.path().join("city");
+        let _ = std::fs::remove_dir_all(&out);
+        import_with(folder.path(), |arguments| {
+            let place = arguments
+                .iter()
+                .position(|argument| argument == "--buildings")
+                .unwrap();
+            arguments[place + 1] = path.display().to_string();
+            let field = arguments
+                .iter()
+                .position(|argument| argument == "--height-field")
+                .unwrap();
+            arguments.drain(field..field + 2);
+            arguments.extend(["--buildings-crs".to_owned(), "EPSG:32633".to_owned()]);
+            if let Some(layer) = layer {
+                arguments.extend(["--layer".to_owned(), layer.to_owned()]);
+            }
+        });
+        let city = rilievo::city::City::open(&out).unwrap();
+        assert_eq!(city.manifest().buildings, expected, "{layer:?}");
+    }
+}

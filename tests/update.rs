@@ -533,6 +533,80 @@ fn two_updates_at_once_are_both_done() {
     }
 }
 
+/// Attributes that the changes do not say stay, the height among them; a column of ids stands for the ids that GeoJSON does not
+/// keep.
+#[test]
+fn what_the_changes_do_not_say_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let dataset = city.join("buildings.gpkg");
+    let before = records(&dataset);
+    let moved = moved(&rings(&before[&77].wkb), [6.0, -4.0]);
+    let feature = serde_json::json!({"type": "Feature", "properties": {"fid": 77, "kind": null},
+        "geometry": {"type": "Polygon", "coordinates": moved}});
+    let crs = serde_json::json!({"type": "name", "properties": {"name": "EPSG:32633"}});
+    let text = serde_json::json!({"type": "FeatureCollection", "crs": crs, "features": [feature]});
+    let path = folder.path().join("moved.geojson");
+    fs::write(&path, text.to_string()).unwrap();
+    let report = update(&[&city, &"--buildings", &path]);
+    assert_eq!(report["changed"], 1, "{report}");
+    let after = records(&dataset);
+    assert_eq!(after[&77].fields, before[&77].fields);
+    assert_ne!(after[&77].wkb, before[&77].wkb);
+    is_a_fresh_import(&city, folder.path());
+    // An import would lose the change.
+    let refused = rilievo(&import_arguments(&sample().join("files"), &city));
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(said.contains("updated"), "{said}");
+}
+
+/// A damaged tile and a lost one are made again; a dataset that was only touched is no edit for ever.
+#[test]
+fn damaged_tiles_are_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let files = walk(&city.join("buildings"));
+    let bytes = fs::read(&files[4]).unwrap();
+    fs::write(&files[4], &bytes[..bytes.len() / 2]).unwrap();
+    fs::remove_file(&files[7]).unwrap();
+    let report = update(&[&city]);
+    assert_eq!(report["tiles_written"], 2, "{report}");
+    assert!(tiles(&city) == tiles(&sample().join("city")));
+    City::open(&city).unwrap().require_all_tiles().unwrap();
+    std::thread::sleep(Duration::from_millis(20));
+    let dataset = fs::File::options()
+        .append(true)
+        .open(city.join("buildings.gpkg"))
+        .unwrap();
+    dataset.set_modified(std::time::SystemTime::now()).unwrap();
+    drop(dataset);
+    update(&[&city]);
+    let report = update(&[&city, &"--delete", &"5"]);
+    assert_eq!(report["deleted"], 1, "{report}");
+}
+
+/// Links in the folder of a pending update lead nowhere.
+#[cfg(unix)]
+#[test]
+fn links_are_not_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let outside = folder.path().join("outside");
+    fs::create_dir(&outside).unwrap();
+    fs::write(outside.join("1_1.tif"), "precious").unwrap();
+    let pending = city.join("update.commit");
+    fs::create_dir_all(pending.join("buildings")).unwrap();
+    std::os::unix::fs::symlink(&outside, pending.join("buildings/0")).unwrap();
+    fs::write(pending.join("plan.toml"), "tiles = []\nbuildings = []\n").unwrap();
+    fs::copy(city.join("city.toml"), pending.join("city.toml")).unwrap();
+    let refused = rilievo(&["update".as_ref(), city.as_os_str()]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(said.contains("is a link"), "{said}");
+    assert_eq!(fs::read_to_string(outside.join("1_1.tif")).unwrap(), "precious");
+}
+
 /// What does not fit is refused by name, and the city stays as it is.
 #[test]
 fn changes_that_do_not_fit_are_refused() {

@@ -62,7 +62,7 @@ pub enum CityError {
         path: PathBuf,
     },
     /// The old city's footprint dataset was edited.
-    #[error("{}: is newer than the city's manifest: an edit since the city was made, which an import would lose", path.display())]
+    #[error("{}: is newer than the city's manifest, or the city was updated: an edit since the city was made, which an import would lose", path.display())]
     Edited {
         /// The footprint dataset.
         path: PathBuf,
@@ -71,6 +71,12 @@ pub enum CityError {
     #[error("{}: was edited since the last update; run rilievo update on the city alone first", path.display())]
     EditedDataset {
         /// The footprint dataset.
+        path: PathBuf,
+    },
+    /// The city was replaced by another import while it was open.
+    #[error("{}: was imported anew; open it again", path.display())]
+    ImportedAnew {
+        /// The city folder.
         path: PathBuf,
     },
     /// A building to delete is not there.

@@ -5,9 +5,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::CityError;
 use super::layer::Layer;
-use super::update::{COMMITTED, PARTIAL};
+use super::update::{COMMITTED, CityLock, PARTIAL};
+use super::{City, CityError};
 
 /// A city in the making.
 pub struct Staging {
@@ -65,6 +65,11 @@ impl Staging {
 
     /// Makes the city durable and puts it in place in one step, in exchange for an older one.
     pub fn finish(self) -> Result<(), CityError> {
+        // No update in between.
+        let _lock = match self.target.is_dir() {
+            true => Some(CityLock::acquire(&self.target)?),
+            false => None,
+        };
         refuse_edited(&self.target)?;
         let cache_key = self.folder.join(CACHE_KEY);
         fs::remove_file(&cache_key).map_err(CityError::file(&cache_key))?;
@@ -102,13 +107,15 @@ fn refuse_foreign(folder: &Path, more: &[&str]) -> Result<(), CityError> {
     Ok(())
 }
 
-/// Refuses to replace a footprint dataset that was changed after the city was made (its manifest is written last).
+/// Refuses to replace a footprint dataset that was changed after the city was made (its manifest is written last), or whose
+/// city was updated.
 fn refuse_edited(target: &Path) -> Result<(), CityError> {
     let changed = |name: &str| fs::metadata(target.join(name)).and_then(|file| file.modified());
     let (Ok(map), Ok(manifest)) = (changed("buildings.gpkg"), changed("city.toml")) else {
         return Ok(());
     };
-    if map <= manifest {
+    let is_updated = City::open(target).is_ok_and(|city| city.manifest().generation > 0);
+    if map <= manifest && !is_updated {
         return Ok(());
     }
     Err(CityError::Edited {

@@ -33,7 +33,7 @@ impl City {
             path: folder.to_owned(),
             why,
         };
-        let pending = Pending::find(folder);
+        let pending = Pending::find(folder)?;
         let text = match pending.as_ref().and_then(Pending::manifest) {
             Some(text) => text,
             None => std::fs::read_to_string(folder.join("city.toml"))
@@ -90,7 +90,37 @@ impl City {
     /// When it cannot be opened any more.
     pub fn updated(&self) -> Result<Option<Self>, CityError> {
         let now = Self::open(&self.folder)?;
-        Ok((now.manifest.generation != self.manifest.generation).then_some(now))
+        let (before, after) = (&self.manifest, &now.manifest);
+        if before == after {
+            return Ok(None);
+        }
+        // What an update leaves as it is.
+        let kept = |manifest: &Manifest| {
+            let Manifest {
+                grid,
+                tile_texels,
+                terrain_side,
+                imagery_side,
+                terrain_tiles,
+                imagery_tiles,
+                ..
+            } = manifest;
+            (
+                *grid,
+                *tile_texels,
+                [*terrain_side, *imagery_side],
+                [*terrain_tiles, *imagery_tiles],
+            )
+        };
+        if kept(before) != kept(after)
+            || before.sources != after.sources
+            || after.generation < before.generation
+        {
+            return Err(CityError::ImportedAnew {
+                path: self.folder.clone(),
+            });
+        }
+        Ok(Some(now))
     }
 
     /// The footprint dataset of record.
@@ -118,18 +148,26 @@ impl City {
 
     /// Fails when tiles that the manifest counts are gone.
     pub fn require_all_tiles(&self) -> Result<(), CityError> {
-        for layer in Layer::ALL {
-            let tiles = self.manifest.grid.tiles();
-            let found = tiles.filter(|&tile| self.has(layer, tile)).count() as u64;
-            let expected = self.manifest.tile_count(layer);
-            if found != expected {
-                return Err(CityError::Tile {
-                    path: self.folder.join(layer.name()),
-                    why: format!("{found} tiles of {expected} are there"),
-                });
-            }
+        Layer::ALL
+            .into_iter()
+            .try_for_each(|layer| self.require_tiles(layer))
+    }
+
+    /// The same for one layer.
+    ///
+    /// # Errors
+    /// When some are gone.
+    pub fn require_tiles(&self, layer: Layer) -> Result<(), CityError> {
+        let tiles = self.manifest.grid.tiles();
+        let found = tiles.filter(|&tile| self.has(layer, tile)).count() as u64;
+        let expected = self.manifest.tile_count(layer);
+        if found == expected {
+            return Ok(());
         }
-        Ok(())
+        Err(CityError::Tile {
+            path: self.folder.join(layer.name()),
+            why: format!("{found} tiles of {expected} are there"),
+        })
     }
 
     /// True when the tile has this layer.
@@ -153,9 +191,18 @@ impl City {
 
     /// Building map of a tile, none where no building stands.
     pub fn buildings(&self, tile: TileId) -> Result<Option<BuildingMap>, CityError> {
-        self.existing(Layer::Buildings, tile)
-            .map(|path| codec::read_buildings(&path, self.manifest.tile_texels, self.manifest.texel_m))
-            .transpose()
+        let read =
+            |path: &Path| codec::read_buildings(path, self.manifest.tile_texels, self.manifest.texel_m);
+        let Some(path) = self.existing(Layer::Buildings, tile) else {
+            return Ok(None);
+        };
+        // A pending update's file may just have been moved into its place.
+        let place = Layer::Buildings.tile_path(&self.folder, tile);
+        let map = match read(&path) {
+            Err(_) if path != place && !path.exists() => read(&place)?,
+            map => map?,
+        };
+        Ok(Some(map))
     }
 
     /// Imagery of a tile, none where there is none.

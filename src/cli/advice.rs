@@ -90,6 +90,7 @@ fn for_city(error: &CityError) -> Option<String> {
         | CityError::Tile { .. }
         | CityError::NoGround { .. }
         | CityError::EditedDataset { .. }
+        | CityError::ImportedAnew { .. }
         | CityError::OutsideCity { .. } => return None,
     })
 }

@@ -1,5 +1,6 @@
 //! The device, shader modules, render targets, read-back and timing. Knows nothing of cities.
 
+mod band;
 mod bindings;
 mod by_size;
 mod device;
@@ -10,6 +11,7 @@ mod target;
 mod timing;
 mod upload;
 
+pub use band::Band;
 pub use bindings::{FILTERED, FLOAT, OUTPUT, RECORDS, SAMPLER, UNIFORM, texture, texture_array};
 pub use by_size::BySize;
 pub use device::{Gpu, GpuError};

@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use super::{FlareSettings, RenderError, Renderer};
 use crate::camera::Camera;
+use crate::gpu::Band;
 use crate::relief::{ReliefMode, ReliefView, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
 
@@ -52,11 +53,28 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub fn frame(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
+        self.frame_band(request, sample, Band::WHOLE)
+    }
+
+    /// The same a band at a time, the first to the last of one request and sample; the last makes the image.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn frame_band(
+        &mut self,
+        request: &FrameRequest<'_>,
+        sample: u32,
+        band: Band,
+    ) -> Result<(), RenderError> {
         self.resize(request.size);
-        self.prepare_flare(request)?;
+        if band.is_last() {
+            self.prepare_flare(request)?;
+        }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.encode_sample(&mut encoder, request, sample);
-        self.encode_image(&mut encoder, request, sample + 1);
+        self.encode_sample(&mut encoder, request, sample, band);
+        if band.is_last() {
+            self.encode_image(&mut encoder, request, sample + 1);
+        }
         self.timer.resolve(&mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(())
@@ -66,12 +84,18 @@ impl Renderer {
     pub(super) fn add_sample(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
         self.resize(request.size);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.encode_sample(&mut encoder, request, sample);
+        self.encode_sample(&mut encoder, request, sample, Band::WHOLE);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(self.gpu.wait()?)
     }
 
-    fn encode_sample(&self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, sample: u32) {
+    fn encode_sample(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        request: &FrameRequest<'_>,
+        sample: u32,
+        band: Band,
+    ) {
         let mut projection = request.camera.projection(request.size);
         projection.jitter = jitter(sample);
         let view = ReliefView {
@@ -79,11 +103,14 @@ impl Renderer {
             sun: request.sun,
             sample,
             mode: request.mode,
+            band,
         };
         self.relief
             .encode(&self.gpu, encoder, &self.resident, &view, &self.timer);
-        self.accumulate
-            .encode(encoder, sample, self.timer.pass(ACCUMULATE));
+        if band.is_last() {
+            self.accumulate
+                .encode(encoder, sample, self.timer.pass(ACCUMULATE));
+        }
     }
 
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {

@@ -1,7 +1,7 @@
 //! What every pass of a frame is handed.
 
 use super::targets::ReliefTargets;
-use crate::gpu::{Gpu, PassTimer};
+use crate::gpu::{Band, Gpu, PassTimer};
 use crate::scene::{Frustum, Resident};
 use crate::space::Projection;
 
@@ -23,6 +23,8 @@ pub struct PassContext<'a> {
     pub city: &'a wgpu::BindGroup,
     /// Images of the frame.
     pub targets: &'a ReliefTargets,
+    /// The rows to draw.
+    pub band: Band,
     /// Times of the passes.
     pub timer: &'a PassTimer,
 }

@@ -64,7 +64,11 @@ impl ExactPass {
     /// Encodes the pass: the end of the buildings' time.
     pub fn encode(&self, context: &mut PassContext<'_>) {
         let timestamps = context.timer.pass_end(pass_number::BUILDINGS);
-        let mut pass = context.targets.begin_buildings_pass(context.encoder, timestamps);
+        let (targets, band) = (context.targets, context.band);
+        let mut pass = targets.begin_buildings_pass(context.encoder, band, timestamps);
+        if !band.confine(&mut pass, targets.size) {
+            return;
+        }
         pass.set_pipeline(&self.overflow);
         pass.set_bind_group(0, context.frame, &[]);
         pass.set_bind_group(1, context.city, &[]);

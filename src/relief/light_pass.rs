@@ -65,17 +65,20 @@ impl LightPass {
 
     /// Encodes the pass.
     pub fn encode(&self, context: &mut PassContext<'_>) {
-        let targets = context.targets;
+        let (targets, band) = (context.targets, context.band);
         let mut pass = context.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("shade"),
+            label: Some("light"),
             color_attachments: &[
-                targets.radiance.cleared(wgpu::Color::BLACK),
-                targets.distance.cleared(FAR_COLOR),
-                targets.id.cleared(wgpu::Color::TRANSPARENT),
+                band.attachment(&targets.radiance, wgpu::Color::BLACK),
+                band.attachment(&targets.distance, FAR_COLOR),
+                band.attachment(&targets.id, wgpu::Color::TRANSPARENT),
             ],
             timestamp_writes: context.timer.pass(pass_number::LIGHT),
             ..Default::default()
         });
+        if !band.confine(&mut pass, targets.size) {
+            return;
+        }
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, context.frame, &[]);
         pass.set_bind_group(1, context.city, &[]);

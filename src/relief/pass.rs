@@ -10,7 +10,7 @@ use super::light_pass::LightPass;
 use super::polygons_pass::PolygonsPass;
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
-use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
+use crate::gpu::{Band, BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
 use crate::scene::{Frustum, Resident};
 use crate::space::{Projection, Sun};
 
@@ -34,6 +34,8 @@ pub struct ReliefView<'a> {
     pub sample: u32,
     /// How buildings are drawn.
     pub mode: ReliefMode,
+    /// The rows to draw; the ground and polygons are drawn with the first ones, for all.
+    pub band: Band,
 }
 
 /// All pipelines, uniforms and targets for one resident city.
@@ -125,6 +127,7 @@ impl ReliefPass {
             sun,
             sample,
             mode,
+            band,
         } = *view;
         self.uniforms
             .write(gpu, &FrameUniforms::new(resident, projection, sun, sample));
@@ -137,17 +140,23 @@ impl ReliefPass {
             frame: &self.frame,
             city: &self.city.group,
             targets,
+            band,
             timer,
         };
-        self.ground.encode(&mut context);
+        if band.is_first() {
+            self.ground.encode(&mut context);
+        }
         match (mode, &self.polygons) {
+            (ReliefMode::Polygons, _) if !band.is_first() => {}
             (ReliefMode::Polygons, Some(polygons)) => polygons.encode(&mut context),
             (ReliefMode::Polygons, None) => {
                 let timestamps = timer.pass(pass_number::BUILDINGS);
-                drop(targets.begin_buildings_pass(context.encoder, timestamps));
+                drop(targets.begin_buildings_pass(context.encoder, band, timestamps));
             }
             (ReliefMode::Exact, _) => {
-                self.cone.encode(&mut context);
+                if band.is_first() {
+                    self.cone.encode(&mut context);
+                }
                 self.exact.encode(&mut context);
             }
         }

@@ -98,7 +98,9 @@ impl PolygonsPass {
         let at = (self.origin - eye).as_vec3().extend(0.0).to_array();
         self.anchor.write(context.gpu, &Anchor { at });
         let timestamps = context.timer.pass(pass_number::BUILDINGS);
-        let mut pass = context.targets.begin_buildings_pass(context.encoder, timestamps);
+        let mut pass = context
+            .targets
+            .begin_buildings_pass(context.encoder, context.band, timestamps);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, context.frame, &[]);
         pass.set_bind_group(1, &self.anchor_group, &[]);

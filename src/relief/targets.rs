@@ -1,7 +1,7 @@
 //! The images that the relief pass draws, and how its pipelines draw into them.
 
 use super::constants::{CONE_PIXELS, FAR};
-use crate::gpu::{Gpu, Target, color_target};
+use crate::gpu::{Band, Gpu, Target, color_target};
 
 /// No surface, as a clear value.
 pub const FAR_COLOR: wgpu::Color = wgpu::Color {
@@ -9,6 +9,12 @@ pub const FAR_COLOR: wgpu::Color = wgpu::Color {
     g: 0.0,
     b: 0.0,
     a: 0.0,
+};
+
+/// No building, as a clear value.
+const NO_BUILDING: wgpu::Color = wgpu::Color {
+    r: FAR.to_bits() as f64,
+    ..wgpu::Color::TRANSPARENT
 };
 
 /// Depth test of reversed depth: larger is nearer.
@@ -72,18 +78,16 @@ impl ReliefTargets {
         }
     }
 
-    /// Begins the pass that draws buildings, with its targets cleared.
+    /// Begins the pass that draws a band of the buildings, with its targets cleared.
     pub fn begin_buildings_pass<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
+        band: Band,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> wgpu::RenderPass<'a> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("buildings"),
-            color_attachments: &[self.building_surface.cleared(wgpu::Color {
-                r: f64::from(FAR.to_bits()),
-                ..wgpu::Color::TRANSPARENT
-            })],
+            color_attachments: &[band.attachment(&self.building_surface, NO_BUILDING)],
             depth_stencil_attachment: self.depth.cleared_depth(),
             timestamp_writes: timestamps,
             ..Default::default()

@@ -115,18 +115,18 @@ impl Resident {
     pub fn take_buildings(&mut self, gpu: &Gpu, city: &City) -> Result<usize, SceneError> {
         let grid = city.manifest().grid;
         let ids: Vec<TileId> = grid.tiles().collect();
-        let mut changed = 0;
-        for (&id, stamp) in ids.iter().zip(&mut self.stamps) {
-            let now = city.stamp(Layer::Buildings, id);
-            if now == *stamp {
-                continue;
-            }
+        let stamps: Vec<_> = ids.iter().map(|&id| city.stamp(Layer::Buildings, id)).collect();
+        let mut maps = Vec::new();
+        for (&id, _) in (ids.iter())
+            .zip(stamps.iter().zip(&self.stamps))
+            .filter(|(_, (now, before))| now != before)
+        {
             let ground = self.tiles.tile(id).and_then(|tile| tile.ground.as_ref());
-            let map = city.map_tile(id, ground.map(|ground| &ground.heights))?;
-            self.tiles.replace_buildings(id, map);
-            *stamp = now;
-            changed += 1;
+            maps.push((id, city.map_tile(id, ground.map(|ground| &ground.heights))?));
         }
+        let changed = maps.len();
+        self.tiles.replace_buildings(maps);
+        self.stamps = stamps;
         let buildings = |id: TileId| self.tiles.tile(id)?.buildings.as_ref();
         let count = ids.iter().filter(|&&id| buildings(id).is_some()).count();
         let mut maps = MapUpload::new(gpu, self.tile_texels, count as u32)?;

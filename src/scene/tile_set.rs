@@ -77,13 +77,14 @@ impl TileSet {
         }
     }
 
-    /// Replaces the building map of a tile.
-    pub fn replace_buildings(&mut self, id: TileId, buildings: Option<MapTile>) {
-        let index = self.index(id);
-        let Some(slot) = self.tiles.get_mut(index) else {
-            return;
-        };
-        slot.buildings = buildings;
+    /// Replaces building maps of tiles.
+    pub fn replace_buildings(&mut self, maps: impl IntoIterator<Item = (TileId, Option<MapTile>)>) {
+        for (id, map) in maps {
+            let index = self.index(id);
+            if let Some(slot) = self.tiles.get_mut(index) {
+                slot.buildings = map;
+            }
+        }
         (self.max_roof, self.min_ground) = (f32::NEG_INFINITY, f32::INFINITY);
         let tiles = std::mem::take(&mut self.tiles);
         for tile in &tiles {

@@ -88,6 +88,9 @@ pub(super) struct Running {
     pub(super) pace: Pace,
     pub(super) keys: Vec<KeyCode>,
     pub(super) cursor: DVec2,
+    /// The image shown, and its pixels.
+    pub(super) shown: Option<wgpu::TextureView>,
+    pub(super) shown_size: [u32; 2],
     pub(super) frame_ms: f64,
     pub(super) last_frame: Instant,
     pub(super) last_look: Instant,
@@ -131,6 +134,8 @@ impl App {
             pace: Pace::new(Instant::now()),
             keys: Vec::new(),
             cursor: DVec2::ZERO,
+            shown: None,
+            shown_size: [0; 2],
             frame_ms: 0.0,
             last_frame: Instant::now(),
             last_look: Instant::now(),
@@ -185,12 +190,14 @@ impl ApplicationHandler for App {
         let Some(running) = &mut self.running else { return };
         if running.last_look.elapsed() >= LOOK {
             running.last_look = Instant::now();
-            // A city that cannot be opened just now is looked at again.
-            if let Ok(Some(newer)) = self.options.city.updated() {
-                match running.follow(&newer) {
+            // What cannot be read just now is looked at again.
+            match self.options.city.updated() {
+                Ok(None) => {}
+                Ok(Some(newer)) => match running.follow(&newer) {
                     Ok(()) => self.options.city = newer,
-                    Err(error) => return self.fail(events, error),
-                }
+                    Err(error) => running.message = error.to_string(),
+                },
+                Err(error) => running.message = error.to_string(),
             }
         }
         if running.wants_frame() {
@@ -250,11 +257,24 @@ impl Running {
                 flare: self.state.flare.as_ref(),
                 exposure: self.state.exposure_stops.exp2(),
             };
-            self.renderer.frame(&request, step.sample)?;
+            self.renderer.frame_band(&request, step.sample, step.band)?;
             self.renderer.gpu.wait().map_err(RenderError::from)?;
-            let took = now.elapsed();
+            let Some(took) = self.pace.drawn(step, now.elapsed()) else {
+                // The image is the one before; only the panel may be another one.
+                if self.screen.overlay.is_used() {
+                    self.draw_screen(city)?;
+                }
+                return Ok(false);
+            };
             self.frame_ms = took.as_secs_f64() * 1e3;
-            self.pace.drawn(step, took);
+            self.shown_size = size;
+            // Codes as they are, or decoded for a surface that encodes them again.
+            let view = if self.screen.is_srgb() {
+                self.renderer.image().map(|image| &image.view)
+            } else {
+                self.renderer.display_view()
+            };
+            self.shown = view.cloned();
         }
         if self.saves_image && self.pace.is_full() {
             self.saves_image = false;
@@ -273,13 +293,7 @@ impl Running {
         if is_due {
             self.paint_panel(city)?;
         }
-        // Codes as they are, or decoded for a surface that encodes them again.
-        let view = if self.screen.is_srgb() {
-            self.renderer.image().map(|image| &image.view)
-        } else {
-            self.renderer.display_view()
-        };
-        if let Some(view) = view {
+        if let Some(view) = &self.shown {
             self.screen.draw(&self.renderer.gpu, view);
         }
         // The panel is painted now and then only.
@@ -294,7 +308,7 @@ impl Running {
             city,
             device: &self.renderer.gpu.adapter_name,
             frame_ms: self.frame_ms,
-            frame: self.renderer.size(),
+            frame: self.shown_size,
             samples: self.pace.samples(),
             message: &self.message,
             lenses: &self.lenses,
@@ -343,7 +357,7 @@ impl Running {
             forward: camera.pose.forward.to_array(),
             fov_y: camera.fov_y(self.screen.size()),
             window: self.screen.size(),
-            frame: self.renderer.size(),
+            frame: self.shown_size,
             samples: self.pace.samples(),
             frame_ms: self.frame_ms,
             sun_time: self.state.clock.rfc3339(),

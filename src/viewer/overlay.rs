@@ -68,15 +68,19 @@ impl Overlay {
         self.is_animated
     }
 
+    /// Whether the pointer or the keyboard is in the user interface.
+    pub fn is_used(&self) -> bool {
+        self.egui.egui_wants_pointer_input() || self.egui.egui_wants_keyboard_input()
+    }
+
     /// Whether the image may be out of date; while the camera moves that must be worth its time.
     pub fn is_due(&self, size: [u32; 2], is_moving: bool) -> bool {
         let is_recent = self.last_painted.is_some_and(|last| last.elapsed() < INTERVAL);
-        let is_used = self.egui.egui_wants_pointer_input() || self.egui.egui_wants_keyboard_input();
         let is_sized = self.image.as_ref().is_some_and(|image| {
             let known = image.texture.size();
             [known.width, known.height] == size
         });
-        !(is_moving && is_recent && is_sized) || is_used
+        !(is_moving && is_recent && is_sized) || self.is_used()
     }
 
     /// Runs the user interface and paints its image of `size` pixels.

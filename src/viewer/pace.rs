@@ -3,6 +3,8 @@
 
 use std::time::{Duration, Instant};
 
+use crate::gpu::Band;
+
 /// Resolution and samples.
 #[derive(Clone, Debug)]
 pub struct Pace {
@@ -17,6 +19,11 @@ pub struct Pace {
     samples: u32,
     /// Whether that image is a coarse one.
     is_coarse: bool,
+    /// The band of the resting image's next sample, and what the bands before it took.
+    band: Band,
+    spent: Duration,
+    /// What a sample in full takes.
+    full: Duration,
 }
 
 /// What to draw next.
@@ -26,6 +33,8 @@ pub struct Step {
     pub scale: f64,
     /// Number of its sample.
     pub sample: u32,
+    /// Rows of it.
+    pub band: Band,
 }
 
 /// Scales in use. A few, so that targets are not made anew all the time.
@@ -36,6 +45,9 @@ const FIRST: usize = 4;
 pub const MAX_SAMPLES: u32 = 64;
 /// A frame and its way to the screen are to take no longer while the camera moves: 15 a second, with something to spare.
 const BUDGET: Duration = Duration::from_millis(60);
+/// A band takes about so long, so that the window answers in between; and how many there are at most.
+const BAND: Duration = Duration::from_millis(80);
+const MAX_BANDS: u32 = 16;
 /// The camera rests when it has not moved for so long.
 const REST: Duration = Duration::from_millis(120);
 
@@ -49,6 +61,9 @@ impl Pace {
             is_moving: true,
             samples: 0,
             is_coarse: false,
+            band: Band::WHOLE,
+            spent: Duration::ZERO,
+            full: Duration::ZERO,
         }
     }
 
@@ -56,6 +71,8 @@ impl Pace {
     pub fn moved(&mut self, now: Instant) {
         self.last_motion = Some(now);
         self.samples = 0;
+        self.band = Band::WHOLE;
+        self.spent = Duration::ZERO;
     }
 
     /// What to draw next; none when the image is as good as it gets.
@@ -68,6 +85,7 @@ impl Pace {
             let step = Step {
                 scale: SCALES[self.coarse],
                 sample: if self.is_coarse { self.samples } else { 0 },
+                band: Band::WHOLE,
             };
             self.is_coarse = true;
             return Some(step);
@@ -76,17 +94,31 @@ impl Pace {
             self.is_coarse = false;
             self.samples = 0;
         }
+        if self.band.is_first() {
+            let count = (self.full.as_secs_f64() / BAND.as_secs_f64()).ceil() as u32;
+            self.band.count = count.clamp(1, MAX_BANDS);
+        }
         (self.samples < MAX_SAMPLES).then_some(Step {
             scale: 1.0,
             sample: self.samples,
+            band: self.band,
         })
     }
 
-    /// A frame was drawn in so long. The scale of moving frames follows from it: its time goes with the pixels.
-    pub fn drawn(&mut self, step: Step, took: Duration) {
+    /// A step was drawn in so long; what the whole frame took when that was the last of it. The scale of moving frames follows
+    /// from it: its time goes with the pixels.
+    pub fn drawn(&mut self, step: Step, took: Duration) -> Option<Duration> {
+        let took = self.spent + took;
+        if !step.band.is_last() {
+            self.spent = took;
+            self.band.index += 1;
+            return None;
+        }
+        (self.spent, self.band) = (Duration::ZERO, Band::WHOLE);
         self.samples = step.sample + 1;
+        self.full = took.div_f64(step.scale * step.scale);
         if !self.is_moving {
-            return;
+            return Some(took);
         }
         let budget = BUDGET.saturating_sub(self.screen).as_secs_f64();
         let seconds = took.as_secs_f64().max(1e-4);
@@ -103,6 +135,7 @@ impl Pace {
         } else {
             wanted
         };
+        Some(took)
     }
 
     /// An image was brought to the screen in so long.
@@ -140,10 +173,7 @@ mod tests {
         let mut times = Vec::new();
         for _ in 0..30 {
             pace.moved(now);
-            let step = pace.next(now).unwrap_or(Step {
-                scale: 1.0,
-                sample: 0,
-            });
+            let Some(step) = pace.next(now) else { break };
             assert_eq!(step.sample, 0, "what moved is drawn anew");
             now += cost(step.scale) + screen;
             pace.drawn(step, cost(step.scale));
@@ -156,18 +186,17 @@ mod tests {
         );
         now += REST;
         let mut drawn = 0;
+        let mut longest = Duration::ZERO;
         while let Some(step) = pace.next(now) {
-            assert_eq!(
-                step,
-                Step {
-                    scale: 1.0,
-                    sample: drawn
-                }
-            );
-            now += cost(1.0);
-            pace.drawn(step, cost(1.0));
-            drawn += 1;
+            assert_eq!((step.scale, step.sample), (1.0, drawn));
+            let took = cost(1.0).div_f64(f64::from(step.band.count));
+            longest = longest.max(took);
+            now += took;
+            let whole = pace.drawn(step, took);
+            assert_eq!(whole.is_some(), step.band.is_last());
+            drawn += u32::from(whole.is_some());
         }
+        assert!(longest < 2 * BAND, "the window waits {longest:?}");
         assert_eq!(drawn, MAX_SAMPLES);
         assert!(pace.is_full());
     }

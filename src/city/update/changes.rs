@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::SystemTime;
 
 use geo::MultiPolygon;
 use rayon::prelude::*;
@@ -12,7 +14,9 @@ use crate::buildings::{Building, BuildingMap, Pyramid, triangle_bytes};
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::{City, CityError, Layer};
-use crate::source::{CrsChoice, Footprint, FootprintReport, FootprintSource, Selection, SourceError};
+use crate::source::{
+    CrsChoice, Footprint, FootprintDatasetWriter, FootprintReport, FootprintSource, HeightRule, Selection,
+};
 use crate::space::{Crs, TileId};
 
 /// The city to change, its CRS and its ground.
@@ -23,6 +27,25 @@ pub struct Place<'a> {
     pub crs: &'a Crs,
     /// Its ground.
     pub ground: &'a GroundCache,
+    /// Time and length of its footprint dataset when the update began.
+    pub dataset_stamp: Option<(SystemTime, u64)>,
+}
+
+/// Time and length of a file; none without it.
+pub fn stamp_of(path: &Path) -> Option<(SystemTime, u64)> {
+    let data = fs::metadata(path).ok()?;
+    Some((data.modified().ok()?, data.len()))
+}
+
+impl Place<'_> {
+    /// Fails when somebody else changed the dataset since the update began.
+    pub fn require_dataset_unchanged(&self) -> Result<(), CityError> {
+        let path = self.city.footprint_dataset_path();
+        match stamp_of(&path) == self.dataset_stamp {
+            true => Ok(()),
+            false => Err(CityError::EditedDataset { path }),
+        }
+    }
 }
 
 /// A tile that becomes another one.
@@ -31,6 +54,8 @@ pub struct TileChange {
     pub id: TileId,
     /// Bytes of its map when loaded; 0 without one.
     pub bytes_before: u64,
+    /// Whether its file was there.
+    pub was_there: bool,
     /// Its new map; none where no building stands any more.
     pub map: Option<BuildingMap>,
 }
@@ -50,10 +75,10 @@ fn map_bytes(map: &BuildingMap) -> u64 {
 pub struct Changes {
     /// Tiles that differ.
     pub tiles: Vec<TileChange>,
-    /// Where the attributes of changed footprints come from; none when only footprints are taken out.
-    pub source: Option<FootprintSource>,
-    /// Outlines to put into the dataset, by id.
-    pub outlines: BTreeMap<u32, MultiPolygon<f64>>,
+    /// Tiles with buildings and bytes of their maps, where all tiles were looked at.
+    pub totals: Option<[u64; 2]>,
+    /// Whether footprints were written that go into the dataset.
+    pub changes_dataset: bool,
     /// Ids to take out of the dataset.
     pub deleted: Vec<u32>,
     /// Buildings that the city has then.
@@ -71,14 +96,17 @@ pub struct Changes {
 impl Changes {
     /// True when the city stays as it is.
     pub fn is_empty(&self) -> bool {
-        self.tiles.is_empty() && self.outlines.is_empty() && self.deleted.is_empty()
+        self.tiles.is_empty() && !self.changes_dataset && self.deleted.is_empty()
     }
 }
 
-/// What the edited dataset says otherwise than the tiles.
-pub fn by_comparing(place: &Place<'_>) -> Result<Changes, CityError> {
+/// What the edited dataset says otherwise than the tiles. `footprints`: where footprints are written whose outlines had to be
+/// repaired.
+pub fn by_comparing(place: &Place<'_>, footprints: &Path) -> Result<Changes, CityError> {
     let city = place.city;
     let manifest = city.manifest();
+    // A building stands on the ground of its city: with a tile of it gone the building would be gone as well.
+    city.require_tiles(Layer::Terrain)?;
     let dataset = open_dataset(city)?;
     let mut stored_otherwise = HashSet::new();
     let (buildings, report) = read_buildings(place, &dataset, Selection::All, |footprint| {
@@ -94,16 +122,23 @@ pub fn by_comparing(place: &Place<'_>) -> Result<Changes, CityError> {
     }
     let ids: Vec<TileId> = manifest.grid.tiles().collect();
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
-    let tiles = changed_tiles(city, &ids, &by_tile)?;
-    let outlines = buildings
-        .iter()
-        .filter(|building| stored_otherwise.contains(&building.fid))
-        .map(|building| (building.fid, building.outline.clone()))
-        .collect();
+    let (tiles, totals) = changed_tiles(city, &ids, &by_tile)?;
+    let repaired = |fid: u32| -> Option<&MultiPolygon<f64>> {
+        let index = buildings
+            .binary_search_by_key(&fid, |building| building.fid)
+            .ok()?;
+        stored_otherwise.contains(&fid).then(|| &buildings[index].outline)
+    };
+    let changes_dataset = buildings.iter().any(|building| repaired(building.fid).is_some());
+    if changes_dataset {
+        let mut writer = FootprintDatasetWriter::create(footprints, place.crs)?;
+        dataset.copy_to(&mut writer, repaired)?;
+        writer.finish()?;
+    }
     Ok(Changes {
         tiles,
-        source: Some(dataset),
-        outlines,
+        totals: Some(totals),
+        changes_dataset,
         deleted: Vec::new(),
         buildings: buildings.len() as u64,
         triangle_bytes: buildings
@@ -116,22 +151,28 @@ pub fn by_comparing(place: &Place<'_>) -> Result<Changes, CityError> {
     })
 }
 
-/// What a file of footprints, and ids to take out, change.
-pub fn from_file(place: &Place<'_>, options: &UpdateOptions) -> Result<Changes, CityError> {
+/// What a file of footprints, and ids to take out, change. `footprints`: where changed footprints are written.
+pub fn from_file(
+    place: &Place<'_>,
+    options: &UpdateOptions,
+    footprints: &Path,
+) -> Result<Changes, CityError> {
     let city = place.city;
     let manifest = city.manifest();
     refuse_edited(city)?;
     let dataset = open_dataset(city)?;
-    let source = options
-        .buildings
-        .as_ref()
-        .map(|path| open_changes(place.crs, path, options))
-        .transpose()?;
-    if let Some(source) = &source {
-        require_height_fields(city, &dataset, source)?;
-    }
-    let (after, read) = match &source {
-        Some(source) => read_buildings(place, source, Selection::All, |_| {})?,
+    let (after, read) = match &options.buildings {
+        Some(path) => {
+            let source = open_changes(place.crs, path, options)?;
+            let (outlines, read) = read_outlines(place, &source)?;
+            // As the dataset will hold them, so that heights come from what it will say.
+            let mut merged = FootprintDatasetWriter::create(footprints, place.crs)?;
+            source.merge_to(&mut merged, &dataset, &outlines)?;
+            merged.finish()?;
+            let merged = FootprintSource::open_footprint_dataset(footprints)?;
+            let (after, report) = read_buildings(place, &merged, Selection::All, |_| {})?;
+            (after, report.after(read))
+        }
         None => (Vec::new(), FootprintReport::new(&manifest.height_rule)),
     };
     let deleted: BTreeSet<u32> = options.delete.iter().copied().collect();
@@ -172,7 +213,7 @@ pub fn from_file(place: &Place<'_>, options: &UpdateOptions) -> Result<Changes, 
     buildings.extend(after.iter().cloned());
     buildings.sort_by_key(|building| building.fid);
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
-    let tiles = changed_tiles(city, &ids, &by_tile)?;
+    let (tiles, _) = changed_tiles(city, &ids, &by_tile)?;
 
     let added = after.iter().filter(|building| !is_known(building.fid)).count() as u64;
     let left = manifest.buildings + added;
@@ -190,16 +231,13 @@ pub fn from_file(place: &Place<'_>, options: &UpdateOptions) -> Result<Changes, 
     };
     Ok(Changes {
         tiles,
-        source,
+        totals: None,
+        changes_dataset: !after.is_empty(),
         counts: Some([added, after.len() as u64 - added, deleted.len() as u64]),
         buildings: left - deleted.len() as u64,
         triangle_bytes: (manifest.triangle_bytes + bytes(&after)).saturating_sub(bytes(&before)),
         report: manifest.footprints.replaced(&read_before, &read),
         read,
-        outlines: after
-            .into_iter()
-            .map(|building| (building.fid, building.outline))
-            .collect(),
         deleted: deleted.into_iter().collect(),
     })
 }
@@ -214,28 +252,22 @@ fn open_changes(own: &Crs, path: &Path, options: &UpdateOptions) -> Result<Footp
     Ok(FootprintSource::open(path, options.layer.as_deref(), &choice)?.require_ids()?)
 }
 
-/// Refuses changes without a field that gives the city's buildings their heights: a changed building would get another height
-/// here than from the dataset, which keeps what the changes do not say.
-fn require_height_fields(
-    city: &City,
-    dataset: &FootprintSource,
-    changes: &FootprintSource,
-) -> Result<(), CityError> {
-    let (known, fields) = (dataset.field_names()?, changes.field_names()?);
-    let has = |names: &[String], field: &str| names.iter().any(|name| name.eq_ignore_ascii_case(field));
-    let rule = &city.manifest().height_rule;
-    let missing = rule
-        .fields()
-        .into_iter()
-        .find(|field| has(&known, &field.field) && !has(&fields, &field.field));
-    match missing {
-        Some(missing) => Err(CityError::Source(SourceError::NoField {
-            path: changes.path().to_owned(),
-            field: missing.field,
-            fields,
-        })),
-        None => Ok(()),
-    }
+/// Outlines by id, the first of each, and what became of the features.
+fn read_outlines(
+    place: &Place<'_>,
+    source: &FootprintSource,
+) -> Result<(BTreeMap<u32, MultiPolygon<f64>>, FootprintReport), CityError> {
+    let mut outlines = BTreeMap::new();
+    let to = (
+        place.crs,
+        &HeightRule::Default,
+        place.city.manifest().default_height_m,
+    );
+    let mut report = source.read_selected(Selection::All, to, |footprint| {
+        outlines.entry(footprint.fid).or_insert(footprint.outline);
+    })?;
+    report.duplicates = 0;
+    Ok((outlines, report))
 }
 
 /// Footprints on the city's ground, by id, and what became of them.
@@ -288,13 +320,14 @@ fn require_inside(city: &City, before: &[Building], after: &[Building]) -> Resul
     }
 }
 
-/// Those of some tiles whose maps are other ones than on disk.
+/// Those of some tiles whose maps are other ones than on disk; and how many of them have maps then, and the bytes of those.
 fn changed_tiles(
     city: &City,
     ids: &[TileId],
     by_tile: &BTreeMap<TileId, Vec<&Building>>,
-) -> Result<Vec<TileChange>, CityError> {
+) -> Result<(Vec<TileChange>, [u64; 2]), CityError> {
     let manifest = city.manifest();
+    let totals = [const { AtomicU64::new(0) }; 2];
     let changed = |&id: &TileId| -> Result<Option<TileChange>, CityError> {
         let map = by_tile.get(&id).map(|buildings| {
             building_map(&manifest.grid, id, manifest.tile_texels, buildings).map_err(|source| {
@@ -305,6 +338,10 @@ fn changed_tiles(
             })
         });
         let map = map.transpose()?.flatten();
+        if let Some(map) = &map {
+            totals[0].fetch_add(1, Ordering::Relaxed);
+            totals[1].fetch_add(map_bytes(map), Ordering::Relaxed);
+        }
         // A damaged tile is one that differs.
         let before = city.buildings(id).ok().flatten();
         let is_there = city.has(Layer::Buildings, id);
@@ -312,9 +349,11 @@ fn changed_tiles(
         Ok((!is_same).then(|| TileChange {
             id,
             bytes_before: before.as_ref().map_or(0, map_bytes),
+            was_there: is_there,
             map,
         }))
     };
-    let changes: Vec<Option<TileChange>> = ids.par_iter().map(changed).collect::<Result<_, _>>()?;
-    Ok(changes.into_iter().flatten().collect())
+    let changes = ids.par_iter().filter_map(|id| changed(id).transpose());
+    let changes = changes.collect::<Result<Vec<_>, _>>()?;
+    Ok((changes, totals.map(AtomicU64::into_inner)))
 }

@@ -20,12 +20,29 @@ impl CityLock {
         if !cfg!(unix) {
             return Ok(Self { _folder: None });
         }
-        let file = File::open(folder).map_err(CityError::file(folder))?;
-        match file.lock() {
-            Ok(()) => Ok(Self { _folder: Some(file) }),
-            // A file system without locks: as good as it gets.
-            Err(error) if error.kind() == std::io::ErrorKind::Unsupported => Ok(Self { _folder: None }),
-            Err(error) => Err(CityError::file(folder)(error)),
+        loop {
+            let file = File::open(folder).map_err(CityError::file(folder))?;
+            // A file system without locks for folders: as good as it gets.
+            if file.lock().is_err() {
+                return Ok(Self { _folder: None });
+            }
+            // An import may have put another folder in its place meanwhile.
+            if is_at(&file, folder) {
+                return Ok(Self { _folder: Some(file) });
+            }
         }
     }
+}
+
+/// Whether an open folder is the one at a path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let of = |data: std::io::Result<std::fs::Metadata>| data.ok().map(|data| (data.dev(), data.ino()));
+    of(file.metadata()) == of(std::fs::metadata(path))
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
 }

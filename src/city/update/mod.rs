@@ -10,13 +10,13 @@ mod changes;
 mod lock;
 mod transaction;
 
+pub(super) use lock::CityLock;
 pub(super) use transaction::{COMMITTED, PARTIAL, Pending};
 
 use std::path::PathBuf;
 
-use changes::{Changes, Place, by_comparing, from_file};
-use lock::CityLock;
-use transaction::{Transaction, finish_interrupted};
+use changes::{Changes, Place, by_comparing, from_file, stamp_of};
+use transaction::{Transaction, finish_interrupted, set_not_older};
 
 use super::ground_cache::GroundCache;
 use super::{City, CityError, Manifest};
@@ -74,15 +74,22 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
         city: &city,
         crs: &crs,
         ground: &ground,
+        dataset_stamp: stamp_of(&city.footprint_dataset_path()),
     };
+    let transaction = Transaction::begin(&place)?;
+    let footprints = transaction.footprints();
     let changes = if options.buildings.is_none() && options.delete.is_empty() {
-        by_comparing(&place)?
+        by_comparing(&place, &footprints)?
     } else {
-        from_file(&place, options)?
+        from_file(&place, options, &footprints)?
     };
     let manifest = changed_manifest(manifest, &changes);
-    if !changes.is_empty() {
-        Transaction::begin(&place)?.commit(&changes, &manifest)?;
+    if changes.is_empty() {
+        // What was edited of the dataset changes no building.
+        transaction.abandon()?;
+        set_not_older(&options.city.join("city.toml"), &city.footprint_dataset_path())?;
+    } else {
+        transaction.commit(&changes, &manifest)?;
     }
     let written = changes.tiles.iter().filter(|tile| tile.map.is_some()).count();
     Ok(UpdateReport {
@@ -101,10 +108,13 @@ fn changed_manifest(before: &Manifest, changes: &Changes) -> Manifest {
     }
     manifest.generation += 1;
     for tile in &changes.tiles {
-        manifest.building_map_bytes -= tile.bytes_before;
-        manifest.building_map_bytes += tile.bytes();
-        manifest.building_tiles -= u64::from(tile.bytes_before > 0);
-        manifest.building_tiles += u64::from(tile.map.is_some());
+        let after = [tile.bytes(), u64::from(tile.map.is_some())];
+        let before = [tile.bytes_before, u64::from(tile.was_there)];
+        manifest.building_map_bytes = (manifest.building_map_bytes + after[0]).saturating_sub(before[0]);
+        manifest.building_tiles = (manifest.building_tiles + after[1]).saturating_sub(before[1]);
+    }
+    if let Some([tiles, bytes]) = changes.totals {
+        (manifest.building_tiles, manifest.building_map_bytes) = (tiles, bytes);
     }
     manifest.buildings = changes.buildings;
     manifest.triangle_bytes = changes.triangle_bytes;

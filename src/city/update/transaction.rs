@@ -5,8 +5,10 @@
 //! finishes that first. Each of these steps can be done twice.
 
 use std::collections::HashSet;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -15,7 +17,7 @@ use super::changes::{Changes, Place, TileChange};
 use crate::city::codec::write_buildings;
 use crate::city::geotiff::GeoKeys;
 use crate::city::{CityError, Layer, Manifest};
-use crate::source::{FootprintDatasetEditor, FootprintDatasetWriter, FootprintSource};
+use crate::source::{FootprintDatasetEditor, FootprintSource};
 use crate::space::TileId;
 
 /// Folder of an update in the making.
@@ -46,13 +48,15 @@ pub struct Pending {
 
 impl Pending {
     /// The pending update of a city folder; none without.
-    pub fn find(city: &Path) -> Option<Self> {
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn find(city: &Path) -> Result<Option<Self>, CityError> {
         let folder = city.join(COMMITTED);
-        let plan: Plan = toml::from_str(&fs::read_to_string(folder.join(PLAN)).ok()?).ok()?;
-        Some(Self {
+        Ok(read_plan(&folder)?.map(|plan| Self {
             folder,
             removed: plan.tiles.into_iter().collect(),
-        })
+        }))
     }
 
     /// The text of its manifest; none when it is in its place already.
@@ -95,8 +99,8 @@ impl<'a> Transaction<'a> {
     /// # Errors
     /// When a file cannot be written.
     pub fn commit(self, changes: &Changes, manifest: &Manifest) -> Result<(), CityError> {
-        let (city, crs) = (self.place.city.folder(), self.place.crs);
-        let keys = GeoKeys::from_crs(crs)?;
+        let city = self.place.city.folder();
+        let keys = GeoKeys::from_crs(self.place.crs)?;
         let mut plan = Plan {
             buildings: changes.deleted.clone(),
             ..Plan::default()
@@ -110,13 +114,6 @@ impl<'a> Transaction<'a> {
             write_buildings(&path, &manifest.grid.tile_bounds(tile.id), map, &keys)
         };
         changes.tiles.par_iter().try_for_each(write)?;
-        if let Some(source) = &changes.source
-            && !changes.outlines.is_empty()
-        {
-            let mut dataset = FootprintDatasetWriter::create(&self.folder.join(FOOTPRINTS), crs)?;
-            source.copy_to(&mut dataset, |fid| changes.outlines.get(&fid))?;
-            dataset.finish()?;
-        }
         for (name, text) in [
             (PLAN, toml::to_string_pretty(&plan)),
             (MANIFEST, toml::to_string_pretty(manifest)),
@@ -129,10 +126,31 @@ impl<'a> Transaction<'a> {
             fs::write(&path, text).map_err(CityError::file(&path))?;
         }
         sync_all(&self.folder)?;
+        // What the dataset refuses is refused while the city is the old one.
+        let dataset_path = self.place.city.footprint_dataset_path();
+        require_plain(&dataset_path)?;
+        let dataset = changed_dataset(&dataset_path, &self.footprints(), &plan.buildings)?;
+        self.place.require_dataset_unchanged()?;
         let committed = city.join(COMMITTED);
         fs::rename(&self.folder, &committed).map_err(CityError::file(&committed))?;
         sync_folder(city)?;
-        finish_interrupted(city)
+        if let Some(dataset) = dataset {
+            dataset.finish()?;
+        }
+        move_files(city, plan)
+    }
+
+    /// Where changed footprints are written.
+    pub fn footprints(&self) -> PathBuf {
+        self.folder.join(FOOTPRINTS)
+    }
+
+    /// Leaves the city as it is.
+    ///
+    /// # Errors
+    /// When the folder cannot be removed.
+    pub fn abandon(self) -> Result<(), CityError> {
+        remove_folder(&self.folder)
     }
 }
 
@@ -142,30 +160,60 @@ impl<'a> Transaction<'a> {
 /// When a file cannot be moved; the next update tries again.
 pub fn finish_interrupted(city: &Path) -> Result<(), CityError> {
     let folder = city.join(COMMITTED);
-    let plan_path = folder.join(PLAN);
-    let Ok(text) = fs::read_to_string(&plan_path) else {
-        // Nothing, or the rest of an update whose files are all in their places: the plan goes first.
+    let manifest = folder.join(MANIFEST);
+    // The manifest goes last: without it all files are in their places.
+    let plan = match manifest.exists() {
+        true => read_plan(&folder)?,
+        false => None,
+    };
+    let Some(plan) = plan else {
         return remove_folder(&folder);
     };
-    let plan: Plan = toml::from_str(&text).map_err(|error| CityError::File {
-        path: plan_path.clone(),
-        why: error.to_string(),
-    })?;
-    let footprints = folder.join(FOOTPRINTS);
-    if footprints.exists() || !plan.buildings.is_empty() {
-        let mut dataset = FootprintDatasetEditor::open(&city.join("buildings.gpkg"))?;
-        if footprints.exists() {
-            dataset.put_all(&FootprintSource::open_footprint_dataset(&footprints)?)?;
-        }
-        dataset.remove(&plan.buildings)?;
+    let dataset_path = city.join("buildings.gpkg");
+    require_plain(&dataset_path)?;
+    if let Some(dataset) = changed_dataset(&dataset_path, &folder.join(FOOTPRINTS), &plan.buildings)? {
         dataset.finish()?;
     }
+    move_files(city, plan)
+}
+
+/// The dataset with an update's changes in it, not committed yet; none where it changes nothing there.
+fn changed_dataset(
+    path: &Path,
+    footprints: &Path,
+    deleted: &[u32],
+) -> Result<Option<FootprintDatasetEditor>, CityError> {
+    if !footprints.exists() && deleted.is_empty() {
+        return Ok(None);
+    }
+    let mut dataset = FootprintDatasetEditor::open(path)?;
+    if footprints.exists() {
+        require_plain(footprints)?;
+        dataset.put_all(&FootprintSource::open_footprint_dataset(footprints)?)?;
+    }
+    dataset.remove(deleted)?;
+    Ok(Some(dataset))
+}
+
+/// Moves the tiles and, last, the manifest of an update that holds.
+fn move_files(city: &Path, plan: Plan) -> Result<(), CityError> {
+    let folder = city.join(COMMITTED);
+    let manifest = folder.join(MANIFEST);
+    let dataset_path = city.join("buildings.gpkg");
     let tiles = folder.join(Layer::Buildings.name()).join("0");
     let places = city.join(Layer::Buildings.name()).join("0");
+    // A link could lead the writer out of the folder.
+    for path in [&tiles, &places] {
+        require_plain(path)?;
+        require_plain(path.parent().unwrap_or(path))?;
+    }
+    require_plain(&manifest)?;
     for entry in fs::read_dir(&tiles).map_err(CityError::file(&tiles))? {
         let entry = entry.map_err(CityError::file(&tiles))?;
-        let place = places.join(entry.file_name());
-        fs::rename(entry.path(), &place).map_err(CityError::file(&place))?;
+        if is_tile_name(&entry.file_name()) {
+            let place = places.join(entry.file_name());
+            fs::rename(entry.path(), &place).map_err(CityError::file(&place))?;
+        }
     }
     for [x, y] in plan.tiles {
         let path = Layer::Buildings.tile_path(city, TileId { level: 0, x, y });
@@ -173,19 +221,62 @@ pub fn finish_interrupted(city: &Path) -> Result<(), CityError> {
             fs::remove_file(&path).map_err(CityError::file(&path))?;
         }
     }
-    let manifest = folder.join(MANIFEST);
-    if manifest.exists() {
-        // Not older than the dataset: that would say that the dataset was edited.
-        let file = fs::File::options().append(true).open(&manifest);
-        file.and_then(|file| file.set_modified(std::time::SystemTime::now()))
-            .map_err(CityError::file(&manifest))?;
-        let place = city.join(MANIFEST);
-        fs::rename(&manifest, &place).map_err(CityError::file(&place))?;
-    }
     sync_folder(&places)?;
+    set_not_older(&manifest, &dataset_path)?;
+    let place = city.join(MANIFEST);
+    fs::rename(&manifest, &place).map_err(CityError::file(&place))?;
     sync_folder(city)?;
-    fs::remove_file(&plan_path).map_err(CityError::file(&plan_path))?;
     remove_folder(&folder)
+}
+
+/// Makes a manifest not older than the dataset: that would say that the dataset was edited.
+pub fn set_not_older(manifest: &Path, dataset: &Path) -> Result<(), CityError> {
+    let of_dataset = fs::metadata(dataset).and_then(|data| data.modified());
+    let time = of_dataset
+        .map_err(CityError::file(dataset))?
+        .max(SystemTime::now());
+    let file = fs::File::options().append(true).open(manifest);
+    file.and_then(|file| file.set_modified(time))
+        .map_err(CityError::file(manifest))
+}
+
+/// The plan of an update; none when there is none.
+fn read_plan(folder: &Path) -> Result<Option<Plan>, CityError> {
+    let path = folder.join(PLAN);
+    let text = match fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(CityError::file(&path)(error)),
+    };
+    // Its own folder, not one that a link leads to.
+    require_plain(folder)?;
+    match toml::from_str(&text) {
+        Ok(plan) => Ok(Some(plan)),
+        Err(error) => Err(CityError::File {
+            path,
+            why: error.to_string(),
+        }),
+    }
+}
+
+/// Refuses a link.
+fn require_plain(path: &Path) -> Result<(), CityError> {
+    let data = fs::symlink_metadata(path).map_err(CityError::file(path))?;
+    match data.is_symlink() {
+        true => Err(CityError::File {
+            path: path.to_owned(),
+            why: "is a link; a city's files lie in its folder".to_owned(),
+        }),
+        false => Ok(()),
+    }
+}
+
+/// Whether a file is called like a tile: `X_Y.tif`.
+fn is_tile_name(name: &OsStr) -> bool {
+    let parts = name
+        .to_str()
+        .and_then(|name| name.strip_suffix(".tif")?.split_once('_'));
+    parts.is_some_and(|(x, y)| x.parse::<u32>().is_ok() && y.parse::<u32>().is_ok())
 }
 
 fn remove_folder(folder: &Path) -> Result<(), CityError> {

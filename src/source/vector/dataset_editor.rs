@@ -26,12 +26,16 @@ impl FootprintDatasetEditor {
             open_flags: GdalOpenFlags::GDAL_OF_VECTOR
                 | GdalOpenFlags::GDAL_OF_UPDATE
                 | GdalOpenFlags::GDAL_OF_VERBOSE_ERROR,
+            allowed_drivers: Some(&["GPKG"]),
             ..DatasetOptions::default()
         };
         let dataset =
             Dataset::open_ex(path, options).map_err(|error| write_error(path, gdal_says(&error)))?;
-        // SAFETY: the dataset is open; a driver without transactions only returns an error.
-        unsafe { gdal_sys::GDALDatasetStartTransaction(dataset.c_dataset(), 0) };
+        // SAFETY: the dataset is open.
+        let status = unsafe { gdal_sys::GDALDatasetStartTransaction(dataset.c_dataset(), 0) };
+        if status != gdal_sys::OGRErr::OGRERR_NONE {
+            return Err(write_error(path, "no transaction could be begun".to_owned()));
+        }
         Ok(Self {
             path: path.to_owned(),
             dataset,
@@ -70,12 +74,17 @@ impl FootprintDatasetEditor {
                     .set_geometry(geometry.clone())
                     .map_err(|error| self.error(error))?;
             }
-            let written = if is_known {
-                layer.set_feature(feature)
-            } else {
-                feature.create(&layer)
+            // SAFETY: the layer is open for writing and the feature is of it.
+            let status = unsafe {
+                if is_known {
+                    gdal_sys::OGR_L_SetFeature(layer.c_layer(), feature.c_feature())
+                } else {
+                    gdal_sys::OGR_L_CreateFeature(layer.c_layer(), feature.c_feature())
+                }
             };
-            written.map_err(|error| self.error(error))?;
+            if status != gdal_sys::OGRErr::OGRERR_NONE {
+                return Err(self.error(format!("building {fid} could not be written")));
+            }
         }
         Ok(())
     }
@@ -125,7 +134,7 @@ fn write_error(path: &Path, why: String) -> SourceError {
 }
 
 /// For each field of `source` the field of `target` with its name, -1 without one.
-fn columns_of(source: &Defn, target: &Defn) -> Vec<i32> {
+pub(super) fn columns_of(source: &Defn, target: &Defn) -> Vec<i32> {
     let fields = source.fields();
     fields
         .map(|field| {

@@ -146,6 +146,51 @@ impl FootprintDatasetWriter {
             .map_err(|error| self.error(error))
     }
 
+    /// Adds one building with the attributes of `known`, a feature of the dataset whose fields were copied, if there is one, and over
+    /// them those that `changed` says: `columns` has their places.
+    pub fn add_merged(
+        &mut self,
+        (known, changed): (Option<&Feature<'_>>, &Feature<'_>),
+        columns: &[i32],
+        fid: u32,
+        outline: &MultiPolygon<f64>,
+    ) -> Result<(), SourceError> {
+        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
+        let geometry = Geometry::from_wkb(&wkb_of(outline)).map_err(|error| self.error(error))?;
+        let mut feature = Feature::new(layer.defn()).map_err(|error| self.error(error))?;
+        let said: Vec<i32> = (0..)
+            .zip(columns)
+            .map(|(field, &column)| {
+                // SAFETY: the feature is alive and has one field a column.
+                let is_said =
+                    unsafe { gdal_sys::OGR_F_IsFieldSetAndNotNull(changed.c_feature(), field) != 0 };
+                if is_said { column } else { -1 }
+            })
+            .collect();
+        // SAFETY: all features are alive; the maps have one entry per field of theirs.
+        unsafe {
+            if let Some(known) = known {
+                gdal_sys::OGR_F_SetFromWithMap(
+                    feature.c_feature(),
+                    known.c_feature(),
+                    1,
+                    self.field_map.as_ptr().cast_mut(),
+                );
+            }
+            gdal_sys::OGR_F_SetFromWithMap(
+                feature.c_feature(),
+                changed.c_feature(),
+                1,
+                said.as_ptr().cast_mut(),
+            );
+            gdal_sys::OGR_F_SetFID(feature.c_feature(), i64::from(fid));
+        }
+        feature
+            .set_geometry(geometry)
+            .and_then(|()| feature.create(&layer))
+            .map_err(|error| self.error(error))
+    }
+
     /// Commits and closes.
     pub fn finish(self) -> Result<(), SourceError> {
         commit(self.path, self.dataset)

@@ -30,6 +30,8 @@ pub struct FootprintSource {
     pub(super) is_osm: bool,
     /// Lines count as outlines: CAD drawings have no areas.
     pub(super) is_cad: bool,
+    /// The chosen layer of a CAD drawing, as a filter of its one OGR layer.
+    pub(super) cad_filter: Option<String>,
     pub(super) is_cityjson: bool,
     /// A CityJSON's vertices lie in its own extent only without its translation, which was dropped.
     pub translation_dropped: bool,
@@ -67,6 +69,7 @@ impl FootprintSource {
             })?,
             is_osm,
             is_cad,
+            cad_filter: None,
             is_cityjson,
             translation_dropped,
             ids: FeatureIds::Index,
@@ -189,6 +192,7 @@ impl FootprintSource {
                         layers: self.cad_layers()?,
                     });
                 }
+                self.cad_filter = Some(filter);
             }
             return Ok(());
         }

@@ -1,6 +1,6 @@
 //! The stream of cleaned footprints that an opened file gives.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use gdal::vector::{Feature, Layer, LayerAccess, OGRwkbGeometryType};
@@ -8,6 +8,7 @@ use geo::MultiPolygon;
 use rayon::prelude::*;
 
 use super::clean::{CleanReport, clean_outline};
+use super::dataset_editor::columns_of;
 use super::feature::{collect_polygons, column_text};
 use super::footprint_source::FeatureIds;
 use super::heights::{HeightReader, ReadHeight};
@@ -59,7 +60,8 @@ impl FootprintSource {
         mut each: impl FnMut(Footprint),
     ) -> Result<FootprintReport, SourceError> {
         let mut layer = self.layer()?;
-        select(&mut layer, selection).map_err(|error| self.read_error(gdal_says(&error)))?;
+        select(&mut layer, self.cad_filter.as_deref(), selection)
+            .map_err(|error| self.read_error(gdal_says(&error)))?;
         let heights = HeightReader::new(self, layer.defn(), rule, default_height_m)?;
         let building_field = self
             .is_osm
@@ -168,7 +170,8 @@ impl FootprintSource {
         outline: impl Fn(u32) -> Option<&'a MultiPolygon<f64>>,
     ) -> Result<u64, SourceError> {
         let mut layer = self.layer()?;
-        layer.clear_attribute_filter();
+        select(&mut layer, self.cad_filter.as_deref(), Selection::All)
+            .map_err(|error| self.read_error(gdal_says(&error)))?;
         dataset.copy_fields(layer.defn())?;
         let mut written = 0;
         for (index, feature) in (1..).zip(layer.features()) {
@@ -180,6 +183,41 @@ impl FootprintSource {
             }
         }
         Ok(written)
+    }
+
+    /// Writes changed features as `known`, the dataset that they change, will hold them: its fields, the attributes it has, and over
+    /// them what the features say. `outlines`: theirs, by id.
+    ///
+    /// # Errors
+    /// When a file cannot be read or written.
+    pub fn merge_to(
+        &self,
+        dataset: &mut FootprintDatasetWriter,
+        known: &Self,
+        outlines: &BTreeMap<u32, MultiPolygon<f64>>,
+    ) -> Result<(), SourceError> {
+        let (mut layer, known) = (self.layer()?, known.layer()?);
+        select(&mut layer, self.cad_filter.as_deref(), Selection::All)
+            .map_err(|error| self.read_error(gdal_says(&error)))?;
+        dataset.copy_fields(known.defn())?;
+        let mut columns = columns_of(layer.defn(), known.defn());
+        if let FeatureIds::Column(column) = self.ids {
+            columns[column] = -1;
+        }
+        let mut written = HashSet::new();
+        for (index, changed) in (1..).zip(layer.features()) {
+            if let Some(fid) = self.id(&changed, index)
+                && let Some(outline) = outlines.get(&fid)
+                && written.insert(fid)
+            {
+                let before = known.feature(u64::from(fid));
+                dataset.add_merged((before.as_ref(), &changed), &columns, fid, outline)?;
+            }
+        }
+        match written.len() == outlines.len() {
+            true => Ok(()),
+            false => Err(self.read_error("it changed while it was read".to_owned())),
+        }
     }
 
     /// A building's id, from 1; none where its place for it is empty.
@@ -260,11 +298,16 @@ fn transformed(outline: &Outline, transform: &PointTransform) -> Outline {
     moved
 }
 
-fn select(layer: &mut Layer<'_>, selection: Selection<'_>) -> Result<(), gdal::errors::GdalError> {
+/// Filters a layer; `whole` is what makes all of it.
+fn select(
+    layer: &mut Layer<'_>,
+    whole: Option<&str>,
+    selection: Selection<'_>,
+) -> Result<(), gdal::errors::GdalError> {
     layer.clear_spatial_filter();
     layer.clear_attribute_filter();
     match selection {
-        Selection::All => Ok(()),
+        Selection::All => whole.map_or(Ok(()), |filter| layer.set_attribute_filter(filter)),
         Selection::Fids(fids) => {
             let list: Vec<String> = fids.iter().map(u32::to_string).collect();
             // SAFETY: the layer is alive; the column's name is copied at once.

@@ -52,6 +52,20 @@ impl FootprintReport {
         }
     }
 
+    /// The counts of features that were read twice: as they came (`first`), and as they were taken over.
+    pub fn after(mut self, first: Self) -> Self {
+        self.read = first.read;
+        for (counts, more) in [
+            (&mut self.rejected, first.rejected),
+            (&mut self.repaired, first.repaired),
+        ] {
+            for (what, number) in more {
+                *counts.entry(what).or_default() += number;
+            }
+        }
+        self
+    }
+
     /// The counts of a dataset of which the features counted in `before` became those counted in `after`.
     pub fn replaced(&self, before: &Self, after: &Self) -> Self {
         let count = |whole: u64, before: u64, after: u64| (whole + after).saturating_sub(before);
