@@ -26,14 +26,6 @@ impl CrsChoice {
         }
     }
 
-    /// Believe the file, and nothing else.
-    pub fn as_the_file_says() -> Self {
-        Self {
-            given: None,
-            fallback: None,
-        }
-    }
-
     /// The CRS of a file that names `own`; `role` is what the file was given as.
     pub fn of_file(
         &self,

@@ -169,7 +169,7 @@ pub fn from_file(
             let mut merged = FootprintDatasetWriter::create(footprints, place.crs)?;
             source.merge_to(&mut merged, &dataset, &outlines)?;
             merged.finish()?;
-            let merged = FootprintSource::open_footprint_dataset(footprints)?;
+            let merged = FootprintSource::open_footprint_dataset(footprints, Some(place.crs))?;
             let (after, report) = read_buildings(place, &merged, Selection::All, |_| {})?;
             (after, report.after(read))
         }
@@ -243,7 +243,7 @@ pub fn from_file(
 }
 
 fn open_dataset(city: &City) -> Result<FootprintSource, CityError> {
-    Ok(FootprintSource::open_footprint_dataset(&city.footprint_dataset_path())?.require_ids()?)
+    Ok(FootprintSource::open_footprint_dataset(&city.footprint_dataset_path(), None)?.require_ids()?)
 }
 
 fn open_changes(own: &Crs, path: &Path, options: &UpdateOptions) -> Result<FootprintSource, CityError> {

@@ -18,7 +18,7 @@ use crate::city::codec::write_buildings;
 use crate::city::geotiff::GeoKeys;
 use crate::city::{CityError, Layer, Manifest};
 use crate::source::{FootprintDatasetEditor, FootprintSource};
-use crate::space::TileId;
+use crate::space::{Crs, TileId};
 
 /// Folder of an update in the making.
 pub const PARTIAL: &str = "update.partial";
@@ -129,7 +129,11 @@ impl<'a> Transaction<'a> {
         // What the dataset refuses is refused while the city is the old one.
         let dataset_path = self.place.city.footprint_dataset_path();
         require_plain(&dataset_path)?;
-        let dataset = changed_dataset(&dataset_path, &self.footprints(), &plan.buildings)?;
+        let dataset = changed_dataset(
+            &dataset_path,
+            (&self.footprints(), Some(self.place.crs)),
+            &plan.buildings,
+        )?;
         self.place.require_dataset_unchanged()?;
         let committed = city.join(COMMITTED);
         fs::rename(&self.folder, &committed).map_err(CityError::file(&committed))?;
@@ -171,7 +175,8 @@ pub fn finish_interrupted(city: &Path) -> Result<(), CityError> {
     };
     let dataset_path = city.join("buildings.gpkg");
     require_plain(&dataset_path)?;
-    if let Some(dataset) = changed_dataset(&dataset_path, &folder.join(FOOTPRINTS), &plan.buildings)? {
+    if let Some(dataset) = changed_dataset(&dataset_path, (&folder.join(FOOTPRINTS), None), &plan.buildings)?
+    {
         dataset.finish()?;
     }
     move_files(city, plan)
@@ -180,7 +185,7 @@ pub fn finish_interrupted(city: &Path) -> Result<(), CityError> {
 /// The dataset with an update's changes in it, not committed yet; none where it changes nothing there.
 fn changed_dataset(
     path: &Path,
-    footprints: &Path,
+    (footprints, crs): (&Path, Option<&Crs>),
     deleted: &[u32],
 ) -> Result<Option<FootprintDatasetEditor>, CityError> {
     if !footprints.exists() && deleted.is_empty() {
@@ -189,7 +194,7 @@ fn changed_dataset(
     let mut dataset = FootprintDatasetEditor::open(path)?;
     if footprints.exists() {
         require_plain(footprints)?;
-        dataset.put_all(&FootprintSource::open_footprint_dataset(footprints)?)?;
+        dataset.put_all(&FootprintSource::open_footprint_dataset(footprints, crs)?)?;
     }
     dataset.remove(deleted)?;
     Ok(Some(dataset))

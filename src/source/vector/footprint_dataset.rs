@@ -26,9 +26,14 @@ impl FootprintDataset {
         default_height_m: f64,
     ) -> Result<Vec<Footprint>, SourceError> {
         let mut footprints = Vec::new();
-        FootprintSource::open_footprint_dataset(path)?.read(city, rule, default_height_m, |footprint| {
-            footprints.push(footprint);
-        })?;
+        FootprintSource::open_footprint_dataset(path, None)?.read(
+            city,
+            rule,
+            default_height_m,
+            |footprint| {
+                footprints.push(footprint);
+            },
+        )?;
         Ok(footprints)
     }
 }

@@ -63,7 +63,7 @@ impl FootprintSource {
             path: path.to_owned(),
             dataset,
             layer_index: 0,
-            crs: Crs::from_text("EPSG:4326").map_err(|source| SourceError::Crs {
+            crs: Crs::wgs84().map_err(|source| SourceError::Crs {
                 path: path.to_owned(),
                 source,
             })?,
@@ -87,10 +87,10 @@ impl FootprintSource {
         Ok(source)
     }
 
-    /// Opens a city's footprint dataset of record.
-    pub fn open_footprint_dataset(path: &Path) -> Result<Self, SourceError> {
+    /// Opens a city's footprint dataset of record; `written_in`: the CRS of one that was just written.
+    pub fn open_footprint_dataset(path: &Path, written_in: Option<&Crs>) -> Result<Self, SourceError> {
         let layer = Some(super::footprint_dataset::LAYER);
-        Self::open(path, layer, &CrsChoice::as_the_file_says())
+        Self::open(path, layer, &CrsChoice::new(written_in.cloned(), None))
     }
 
     /// Takes building ids from the column `fid` where the format keeps none: for features that are to meet others by their ids.

@@ -14,6 +14,8 @@ pub use geo_area::GeoArea;
 pub use operation::{Accuracy, MissingGrids, Operation, OperationWarning};
 pub use transform::PointTransform;
 
+use std::sync::OnceLock;
+
 use glam::DVec2;
 
 use super::Place;
@@ -69,6 +71,19 @@ impl Crs {
                 text: definition.chars().take(80).collect(),
                 why,
             })
+    }
+
+    /// Latitude and longitude on WGS 84. PROJ looks it up once.
+    ///
+    /// # Errors
+    /// When PROJ does not find its database.
+    pub fn wgs84() -> Result<Self, CrsError> {
+        static WGS84: OnceLock<Crs> = OnceLock::new();
+        if let Some(known) = WGS84.get() {
+            return Ok(known.clone());
+        }
+        let made = Self::from_text("EPSG:4326")?;
+        Ok(WGS84.get_or_init(|| made).clone())
     }
 
     fn from_object(object: ProjObject) -> Result<Self, String> {
