@@ -666,6 +666,15 @@ fn changes_that_do_not_fit_are_refused() {
         &[&"--buildings", &far, &"--delete", &"5"],
         &["building 5", "deleted"],
     );
+    // Far away there is no ground: counted, and the building stays where it is, in the dataset too.
+    write_changes(&far, &[change(5, 90_000.0)]);
+    let report = update(&[&city, &"--buildings", &far]);
+    assert_eq!(
+        report["footprints"]["left_out"]["no ground under it"], 1,
+        "{report}"
+    );
+    assert_eq!(report["tiles_written"], 0, "{report}");
+    assert!(!city.join("update.partial").exists() && !city.join("update.commit").exists());
     assert!(tiles(&city) == before, "a refused update changed tiles");
     assert_eq!(known, records(&city.join("buildings.gpkg")));
 }

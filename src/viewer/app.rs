@@ -68,8 +68,8 @@ pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
     app.failure.map_or(Ok(()), Err)
 }
 
-/// How often the city folder is looked at for updates.
-const LOOK: Duration = Duration::from_millis(300);
+/// How often the city folder is checked for updates.
+const CHECK_INTERVAL: Duration = Duration::from_millis(300);
 
 struct App {
     started: Instant,
@@ -93,7 +93,7 @@ pub(super) struct Running {
     pub(super) shown_size: [u32; 2],
     pub(super) frame_ms: f64,
     pub(super) last_frame: Instant,
-    pub(super) last_look: Instant,
+    pub(super) last_check: Instant,
     pub(super) generation: u64,
     pub(super) message: String,
     pub(super) shows_panel: bool,
@@ -138,7 +138,7 @@ impl App {
             shown_size: [0; 2],
             frame_ms: 0.0,
             last_frame: Instant::now(),
-            last_look: Instant::now(),
+            last_check: Instant::now(),
             generation: self.options.city.manifest().generation,
             message: String::new(),
             shows_panel: true,
@@ -188,8 +188,8 @@ impl ApplicationHandler for App {
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         let Some(running) = &mut self.running else { return };
-        if running.last_look.elapsed() >= LOOK {
-            running.last_look = Instant::now();
+        if running.last_check.elapsed() >= CHECK_INTERVAL {
+            running.last_check = Instant::now();
             // What cannot be read just now is looked at again.
             match self.options.city.updated() {
                 Ok(None) => {}
@@ -203,7 +203,7 @@ impl ApplicationHandler for App {
         if running.wants_frame() {
             running.screen.window.request_redraw();
         }
-        events.set_control_flow(ControlFlow::WaitUntil(running.last_look + LOOK));
+        events.set_control_flow(ControlFlow::WaitUntil(running.last_check + CHECK_INTERVAL));
     }
 }
 

@@ -15,12 +15,13 @@ use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::{City, CityError, Layer};
 use crate::source::{
-    CrsChoice, Footprint, FootprintDatasetWriter, FootprintReport, FootprintSource, HeightRule, Selection,
+    CrsChoice, Footprint, FootprintDatasetEditor, FootprintDatasetWriter, FootprintReport, FootprintSource,
+    HeightRule, Selection,
 };
 use crate::space::{Crs, TileId};
 
 /// The city to change, its CRS and its ground.
-pub struct Place<'a> {
+pub struct UpdateContext<'a> {
     /// The city.
     pub city: &'a City,
     /// Its CRS.
@@ -37,7 +38,7 @@ pub fn stamp_of(path: &Path) -> Option<(SystemTime, u64)> {
     Some((data.modified().ok()?, data.len()))
 }
 
-impl Place<'_> {
+impl UpdateContext<'_> {
     /// Fails when somebody else changed the dataset since the update began.
     pub fn require_dataset_unchanged(&self) -> Result<(), CityError> {
         let path = self.city.footprint_dataset_path();
@@ -102,7 +103,7 @@ impl Changes {
 
 /// What the edited dataset says otherwise than the tiles. `footprints`: where footprints are written whose outlines had to be
 /// repaired.
-pub fn by_comparing(place: &Place<'_>, footprints: &Path) -> Result<Changes, CityError> {
+pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Changes, CityError> {
     let city = place.city;
     let manifest = city.manifest();
     // A building stands on the ground of its city: with a tile of it gone the building would be gone as well.
@@ -153,7 +154,7 @@ pub fn by_comparing(place: &Place<'_>, footprints: &Path) -> Result<Changes, Cit
 
 /// What a file of footprints, and ids to take out, change. `footprints`: where changed footprints are written.
 pub fn from_file(
-    place: &Place<'_>,
+    place: &UpdateContext<'_>,
     options: &UpdateOptions,
     footprints: &Path,
 ) -> Result<Changes, CityError> {
@@ -171,6 +172,15 @@ pub fn from_file(
             merged.finish()?;
             let merged = FootprintSource::open_footprint_dataset(footprints, Some(place.crs))?;
             let (after, report) = read_buildings(place, &merged, Selection::All, |_| {})?;
+            drop(merged);
+            // What has no ground there becomes no building: the dataset keeps what it has of it.
+            let is_building = |fid: u32| after.binary_search_by_key(&fid, |building| building.fid).is_ok();
+            let groundless: Vec<u32> = outlines.into_keys().filter(|&fid| !is_building(fid)).collect();
+            if !groundless.is_empty() {
+                let mut editor = FootprintDatasetEditor::open(footprints)?;
+                editor.remove(&groundless)?;
+                editor.finish()?;
+            }
             (after, report.after(read))
         }
         None => (Vec::new(), FootprintReport::new(&manifest.height_rule)),
@@ -254,7 +264,7 @@ fn open_changes(own: &Crs, path: &Path, options: &UpdateOptions) -> Result<Footp
 
 /// Outlines by id, the first of each, and what became of the features.
 fn read_outlines(
-    place: &Place<'_>,
+    place: &UpdateContext<'_>,
     source: &FootprintSource,
 ) -> Result<(BTreeMap<u32, MultiPolygon<f64>>, FootprintReport), CityError> {
     let mut outlines = BTreeMap::new();
@@ -272,7 +282,7 @@ fn read_outlines(
 
 /// Footprints on the city's ground, by id, and what became of them.
 fn read_buildings(
-    place: &Place<'_>,
+    place: &UpdateContext<'_>,
     source: &FootprintSource,
     selection: Selection<'_>,
     mut each: impl FnMut(&Footprint),

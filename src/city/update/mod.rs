@@ -15,7 +15,7 @@ pub(super) use transaction::{COMMITTED, PARTIAL, Pending};
 
 use std::path::PathBuf;
 
-use changes::{Changes, Place, by_comparing, from_file, stamp_of};
+use changes::{Changes, UpdateContext, by_comparing, from_file, stamp_of};
 use transaction::{Transaction, finish_interrupted, set_not_older};
 
 use super::ground_cache::GroundCache;
@@ -70,7 +70,7 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
         manifest.terrain_step_m,
     );
     let crs = Crs::from_text(&manifest.crs)?;
-    let place = Place {
+    let place = UpdateContext {
         city: &city,
         crs: &crs,
         ground: &ground,
@@ -86,7 +86,7 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
     let manifest = changed_manifest(manifest, &changes);
     if changes.is_empty() {
         // What was edited of the dataset changes no building.
-        transaction.abandon()?;
+        drop(transaction);
         set_not_older(&options.city.join("city.toml"), &city.footprint_dataset_path())?;
     } else {
         transaction.commit(&changes, &manifest)?;

@@ -13,7 +13,7 @@ use std::time::SystemTime;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::changes::{Changes, Place, TileChange};
+use super::changes::{Changes, TileChange, UpdateContext};
 use crate::city::codec::write_buildings;
 use crate::city::geotiff::GeoKeys;
 use crate::city::{CityError, Layer, Manifest};
@@ -77,7 +77,7 @@ impl Pending {
 
 /// An update in the making.
 pub struct Transaction<'a> {
-    place: &'a Place<'a>,
+    place: &'a UpdateContext<'a>,
     folder: PathBuf,
 }
 
@@ -86,7 +86,7 @@ impl<'a> Transaction<'a> {
     ///
     /// # Errors
     /// When the folder cannot be made.
-    pub fn begin(place: &'a Place<'a>) -> Result<Self, CityError> {
+    pub fn begin(place: &'a UpdateContext<'a>) -> Result<Self, CityError> {
         let folder = place.city.folder().join(PARTIAL);
         remove_folder(&folder)?;
         let tiles = folder.join(Layer::Buildings.name()).join("0");
@@ -148,13 +148,12 @@ impl<'a> Transaction<'a> {
     pub fn footprints(&self) -> PathBuf {
         self.folder.join(FOOTPRINTS)
     }
+}
 
-    /// Leaves the city as it is.
-    ///
-    /// # Errors
-    /// When the folder cannot be removed.
-    pub fn abandon(self) -> Result<(), CityError> {
-        remove_folder(&self.folder)
+impl Drop for Transaction<'_> {
+    /// What was not committed leaves nothing behind.
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
     }
 }
 
@@ -236,10 +235,15 @@ fn move_files(city: &Path, plan: Plan) -> Result<(), CityError> {
 
 /// Makes a manifest not older than the dataset: that would say that the dataset was edited.
 pub fn set_not_older(manifest: &Path, dataset: &Path) -> Result<(), CityError> {
-    let of_dataset = fs::metadata(dataset).and_then(|data| data.modified());
-    let time = of_dataset
-        .map_err(CityError::file(dataset))?
-        .max(SystemTime::now());
+    let time_of = |path: &Path| {
+        let time = fs::metadata(path).and_then(|data| data.modified());
+        time.map_err(CityError::file(path))
+    };
+    let of_dataset = time_of(dataset)?;
+    if time_of(manifest)? >= of_dataset {
+        return Ok(());
+    }
+    let time = of_dataset.max(SystemTime::now());
     let file = fs::File::options().append(true).open(manifest);
     file.and_then(|file| file.set_modified(time))
         .map_err(CityError::file(manifest))

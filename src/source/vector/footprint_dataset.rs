@@ -132,23 +132,7 @@ impl FootprintDatasetWriter {
         fid: u32,
         outline: &MultiPolygon<f64>,
     ) -> Result<(), SourceError> {
-        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
-        let geometry = Geometry::from_wkb(&wkb_of(outline)).map_err(|error| self.error(error))?;
-        let mut feature = Feature::new(layer.defn()).map_err(|error| self.error(error))?;
-        // SAFETY: both features are alive and the map has one entry per source field.
-        unsafe {
-            gdal_sys::OGR_F_SetFromWithMap(
-                feature.c_feature(),
-                source.c_feature(),
-                1,
-                self.field_map.as_ptr().cast_mut(),
-            );
-            gdal_sys::OGR_F_SetFID(feature.c_feature(), i64::from(fid));
-        }
-        feature
-            .set_geometry(geometry)
-            .and_then(|()| feature.create(&layer))
-            .map_err(|error| self.error(error))
+        self.insert(&[(source, &self.field_map)], fid, outline)
     }
 
     /// Adds one building with the attributes of `known`, a feature of the dataset whose fields were copied, if there is one, and over
@@ -160,9 +144,6 @@ impl FootprintDatasetWriter {
         fid: u32,
         outline: &MultiPolygon<f64>,
     ) -> Result<(), SourceError> {
-        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
-        let geometry = Geometry::from_wkb(&wkb_of(outline)).map_err(|error| self.error(error))?;
-        let mut feature = Feature::new(layer.defn()).map_err(|error| self.error(error))?;
         let said: Vec<i32> = (0..)
             .zip(columns)
             .map(|(field, &column)| {
@@ -172,22 +153,32 @@ impl FootprintDatasetWriter {
                 if is_said { column } else { -1 }
             })
             .collect();
-        // SAFETY: all features are alive; the maps have one entry per field of theirs.
+        let known = known.map(|known| (known, self.field_map.as_slice()));
+        let sources: Vec<_> = known.into_iter().chain([(changed, said.as_slice())]).collect();
+        self.insert(&sources, fid, outline)
+    }
+
+    /// Adds one building with the attributes of some features, each over those before; beside each where its fields go, -1 for
+    /// nowhere.
+    fn insert(
+        &self,
+        sources: &[(&Feature<'_>, &[i32])],
+        fid: u32,
+        outline: &MultiPolygon<f64>,
+    ) -> Result<(), SourceError> {
+        let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
+        let geometry = Geometry::from_wkb(&wkb_of(outline)).map_err(|error| self.error(error))?;
+        let mut feature = Feature::new(layer.defn()).map_err(|error| self.error(error))?;
+        // SAFETY: all features are alive and each map has one entry per field of its feature.
         unsafe {
-            if let Some(known) = known {
+            for (source, columns) in sources {
                 gdal_sys::OGR_F_SetFromWithMap(
                     feature.c_feature(),
-                    known.c_feature(),
+                    source.c_feature(),
                     1,
-                    self.field_map.as_ptr().cast_mut(),
+                    columns.as_ptr().cast_mut(),
                 );
             }
-            gdal_sys::OGR_F_SetFromWithMap(
-                feature.c_feature(),
-                changed.c_feature(),
-                1,
-                said.as_ptr().cast_mut(),
-            );
             gdal_sys::OGR_F_SetFID(feature.c_feature(), i64::from(fid));
         }
         feature
