@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rilievo::buildings::{CellKind, Pyramid};
+use rilievo::buildings::Pyramid;
 use rilievo::city::City;
 use support::{import_arguments, rilievo, sample, succeed};
 
@@ -231,18 +231,17 @@ fn the_pyramid_bounds_every_texel_and_words_name_real_buildings() {
         let Some(map) = city.buildings(tile).unwrap() else {
             continue;
         };
-        let pyramid = Pyramid::from_map(&map, map.lowest_base());
-        let coarsest = (pyramid.max_height() - map.lowest_base()) / 253.99 + 1e-3;
-        for (cell, &word) in map.cells.iter().enumerate() {
-            if CellKind::from_code(word) == CellKind::Empty {
-                continue;
-            }
-            let (column, row) = ((cell % map.side) as i32, (cell / map.side) as i32);
-            for level in 0..=Pyramid::top_level(map.side) {
-                let (column, row) = (column as usize >> (2 * level), row as usize >> (2 * level));
+        let low = map.height_range[0];
+        let pyramid = Pyramid::from_map(&map, low);
+        let coarsest = (pyramid.max_height() - low) / 253.99 + 1e-3;
+        for ([block_x, block_y], codes) in map.occupied_blocks() {
+            let highest = codes.iter().map(|&code| map.highest_roof(code));
+            let highest = highest.fold(f32::NEG_INFINITY, f32::max);
+            for level in 1..=Pyramid::top_level(map.side) {
+                let [column, row] = [block_x, block_y].map(|block| block >> (2 * level - 2));
                 let bound = pyramid.bound(level, column, row);
-                assert!(bound >= map.highest_roof(cell));
-                assert!(level > 0 || bound <= map.highest_roof(cell) + coarsest);
+                assert!(bound >= highest);
+                assert!(level > 1 || bound <= highest + coarsest);
             }
         }
         buildings.extend(map.roofs.iter().map(|roof| roof.fid));

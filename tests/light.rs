@@ -188,7 +188,8 @@ fn shadows_agree_with_the_ray_caster() {
 /// Rays from any start, on the CPU: what they meet, and how far away, against the independent caster.
 #[test]
 fn rays_from_any_start_meet_what_the_ray_caster_meets() {
-    let renderer = renderer();
+    let mut renderer = renderer();
+    renderer.load_finest().unwrap();
     let caster = caster();
     let tiles = &renderer.resident.tiles;
     let centre = tiles.grid.bounds().centre();
@@ -378,7 +379,8 @@ fn sunlight_follows_the_surface() {
 /// As the sun rises over a roof its visible fraction grows monotonically, and never at once.
 #[test]
 fn the_sun_fades_softly_behind_a_roof() {
-    let renderer = renderer();
+    let mut renderer = renderer();
+    renderer.load_finest().unwrap();
     let tiles = &renderer.resident.tiles;
     let (_, eye, _) = support::VIEWS[0];
     let eye = DVec3::from_array(eye);

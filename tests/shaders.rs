@@ -136,9 +136,9 @@ fn records_are_laid_out_alike_on_both_sides() {
             "sample" = sample,
             "pixel_angle" = pixel_angle,
             "imagery_side" = imagery_side,
-            "pyramid_width" = pyramid_width,
+            "pyramid_nodes" = pyramid_nodes,
             "max_ground" = max_ground,
-            "padding" = padding,
+            "mesh_parts" = mesh_parts,
         ]
     );
     same_layout!(
@@ -156,10 +156,14 @@ fn records_are_laid_out_alike_on_both_sides() {
         "TileRecord",
         TileRecord,
         [
-            "vertex_base" = vertex_base,
-            "list_base" = list_base,
+            "quad_base" = quad_base,
+            "word_base" = word_base,
             "min_height" = min_height,
             "max_height" = max_height,
+            "block_base" = block_base,
+            "padding_a" = padding_a,
+            "padding_b" = padding_b,
+            "padding_c" = padding_c,
         ]
     );
     same_layout!(
@@ -170,7 +174,7 @@ fn records_are_laid_out_alike_on_both_sides() {
     same_layout!(
         "GroundRecord",
         GroundRecord,
-        ["tile" = tile, "layer" = layer, "mesh_parts" = mesh_parts]
+        ["tile" = tile, "level" = level, "layer" = layer]
     );
     same_layout!(
         "InterfaceRecord",

@@ -77,7 +77,7 @@ fn every_sample_is_within_the_stated_error() {
     let (city, tiles) = tiles();
     let (mut tin, mut grid) = (0, 0);
     for (id, tile) in &tiles {
-        let (worst, missed) = errors(&tile.ground, &tile.triangles);
+        let (worst, missed) = errors(&tile.ground, &tile.meshes[0]);
         assert!(
             worst <= city.manifest().terrain_error_m + 1e-4,
             "{id:?}: {worst} m"
@@ -88,7 +88,7 @@ fn every_sample_is_within_the_stated_error() {
             !whole || missed == 0,
             "{id:?}: {missed} samples under no triangle"
         );
-        tin += tile.triangles.len();
+        tin += tile.meshes[0].len();
         grid += grid_triangles(&tile.ground).len();
     }
     println!("triangles: tin {tin}, grid {grid}");
@@ -99,7 +99,7 @@ fn every_sample_is_within_the_stated_error() {
 /// Points (sample index along the border, height) of a tile's triangles on one border.
 fn border(tile: &TerrainTile, on: impl Fn(usize, usize) -> Option<usize>) -> BTreeSet<(usize, u32)> {
     let side = tile.ground.side;
-    tile.triangles
+    tile.meshes[0]
         .iter()
         .flatten()
         .filter_map(|&k| {
@@ -161,6 +161,7 @@ fn the_bound_holds_on_rough_ground_with_a_hole_at_four_turns() {
         };
         let tile = HeightTile {
             side,
+            level: 0,
             step_m: 1.0,
             heights: square(side, 0),
         };

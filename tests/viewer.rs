@@ -230,7 +230,8 @@ fn point_under(tiles: &TileSet, projection: &Projection, position: DVec2) -> DVe
 fn the_window_does_what_the_mouse_and_the_keys_say() {
     let Some(display) = Display::open() else { return };
     let city = City::open(&support::sample().join("city")).unwrap();
-    let renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    renderer.load_finest().unwrap();
     let tiles = &renderer.resident.tiles;
     let folder = tempfile::tempdir().unwrap();
     let mut viewer = Viewer::open(&display, &support::sample().join("city"), folder.path());

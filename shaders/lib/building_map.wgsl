@@ -1,14 +1,20 @@
-// The building map of all resident tiles. Host: src/buildings/map.rs, which explains the codes.
+// The building maps of all resident tiles. Host: src/buildings/map.rs, which tells how words lie, and src/scene/map_pool.rs.
 
 // A record is read as one vector of 16 bytes: a software device reads each member of a structure on its own.
 struct TileRecord {
-    // The tile's first outline vertex in `vertices`; its roofs stand before it, the first the nearest.
-    vertex_base: u32,
-    // The tile's first code in `lists`.
-    list_base: u32,
+    // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them, the
+    // first the nearest.
+    quad_base: u32,
+    // The tile's first word in `map_words`: the lengths along its outlines stand before it, the first vertex's the nearest.
+    word_base: u32,
     // Lowest ground and highest roof, metres above the vertical datum.
     min_height: f32,
     max_height: f32,
+    // The record of its first block in `map_quads`.
+    block_base: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 struct VertexRecord {
@@ -19,38 +25,42 @@ struct VertexRecord {
     fid: u32,
 }
 
-// Per grid tile: slot of its building map, layer of its orthophoto; -1 = none.
-@group(1) @binding(0) var tile_table: texture_2d<i32>;
 @group(1) @binding(1) var<storage, read> slots: array<vec4<u32>>;
-@group(1) @binding(2) var cells: texture_2d_array<u32>;
-// Nodes of 4 x 4 children, a byte a child. Twin: src/buildings/pyramid.rs, which tells the layout.
-@group(1) @binding(3) var pyramid: texture_2d_array<u32>;
-// Edge e of an outline runs from vertex e to e + 1.
-@group(1) @binding(4) var<storage, read> vertices: array<vec4<u32>>;
-@group(1) @binding(5) var<storage, read> lists: array<u32>;
-// Metres along its outline, for every vertex.
-@group(1) @binding(6) var<storage, read> along_outline: array<f32>;
+// Counted row by row, POOL_WORDS and POOL_QUADS a row. Textures, because a software device gathers from those for all lanes at once.
+@group(1) @binding(2) var map_words: texture_2d<u32>;
+@group(1) @binding(3) var map_quads: texture_2d<u32>;
 
-fn slot_at(index: i32) -> TileRecord {
-    let record = slots[index];
-    return TileRecord(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w));
+fn word_at(place: u32) -> u32 {
+    return textureLoad(map_words, vec2<u32>(place % POOL_WORDS, place / POOL_WORDS), 0).x;
 }
 
-fn vertex_at(index: u32) -> VertexRecord {
-    let record = vertices[index];
+fn quad_at(place: u32) -> vec4<u32> {
+    return textureLoad(map_quads, vec2<u32>(place % POOL_QUADS, place / POOL_QUADS), 0);
+}
+
+fn slot_at(index: i32) -> TileRecord {
+    let record = slots[2 * index];
+    let block_base = slots[2 * index + 1].x;
+    return TileRecord(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w), block_base, 0u, 0u, 0u);
+}
+
+// A place in `map_quads`: of an outline vertex (edge e runs from vertex e to e + 1), of a roof.
+fn vertex_place(slot: TileRecord, vertex: u32) -> u32 { return slot.quad_base + frame.pyramid_nodes + vertex; }
+fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - 1u - building; }
+
+// What stands at such a place.
+fn vertex_at(place: u32) -> VertexRecord {
+    let record = quad_at(place);
     return VertexRecord(bitcast<vec2<f32>>(record.xy), bitcast<f32>(record.z), record.w);
 }
 
-// A roof's record in `vertices`.
-fn roof_index(slot: TileRecord, building: u32) -> u32 { return slot.vertex_base - 1u - building; }
-
-// Four rows of four bytes, from the south-west.
-fn node_at(node: vec2<i32>, level: u32, slot_index: i32) -> vec4<u32> {
-    let width = i32(frame.pyramid_width);
-    // width / 4 + width / 16 + .. of the levels between lie to the west.
-    let west = (width - (width >> (2u * max(level, 1u) - 2u))) / 3;
-    let corner = select(vec2<i32>(west, width), vec2<i32>(0), level == 0u);
-    return textureLoad(pyramid, corner + node, slot_index, 0);
+// Four rows of four bytes, from the south-west. Twin: Pyramid::first_node and place.
+fn node_at(node: vec2<i32>, level: u32, slot: TileRecord) -> vec4<u32> {
+    let blocks = (1u << frame.tile_texels_log2) / 4u;
+    let below = blocks >> (2u * level - 2u);
+    let across = max(below / 4u, 1u);
+    let first = (blocks * blocks - below * below) / 15u;
+    return quad_at(slot.quad_base + first + u32(node.y) * across + u32(node.x));
 }
 
 // Bound on the roofs of a node's child, in metres above the tile's lowest ground: (byte - 1) of these steps.
@@ -63,8 +73,43 @@ fn child_byte(rows: vec4<u32>, child: vec2<i32>) -> u32 {
     return (select(south, north, local.y >= 2u) >> (8u * local.x)) & 255u;
 }
 
+// Number of a child among its 4 x 4.
+fn child_number(child: vec2<i32>) -> u32 { return (u32(child.y) & 3u) * 4u + (u32(child.x) & 3u); }
+
+// An occupied block of 4 x 4 texels.
+struct BlockRecord {
+    // Two bits a texel: 0, TEXEL_MAIN or TEXEL_OWN.
+    header: u32,
+    // The code of the texels with TEXEL_MAIN.
+    main_code: u32,
+    // Place in `map_words` of the codes of those with TEXEL_OWN.
+    own_place: u32,
+}
+
+fn block_at(block: vec2<i32>, slot: TileRecord) -> BlockRecord {
+    let groups = (1u << frame.tile_texels_log2) / 16u;
+    let group = vec2<u32>(block) >> vec2<u32>(2u);
+    let index = word_at(slot.word_base + group.y * groups + group.x);
+    let before = countOneBits(index & ((1u << child_number(block)) - 1u));
+    let record = quad_at(slot.block_base + (index >> 16u) + before);
+    return BlockRecord(record.x, record.y, slot.word_base + record.z);
+}
+
+// The header of a block that lies under one roof.
+const UNIFORM: u32 = 0x55555555u;
+
+fn texel_kind(header: u32, texel: vec2<i32>) -> u32 { return (header >> (2u * child_number(texel))) & 3u; }
+
+// The code of a texel that holds a building.
+fn texel_code(block: BlockRecord, texel: vec2<i32>) -> u32 {
+    if texel_kind(block.header, texel) == TEXEL_MAIN { return block.main_code; }
+    let own_before = countOneBits(block.header & 0xaaaaaaaau & ((1u << (2u * child_number(texel))) - 1u));
+    return word_at(block.own_place + own_before);
+}
+
 fn kind_of(code: u32) -> u32 { return code >> KIND_SHIFT; }
 fn index_of(code: u32) -> u32 { return code & INDEX_MASK; }
+// Of a run: the reference point lies inside. Of a roof: it shows.
 fn is_inside(code: u32) -> bool { return (code & INSIDE_BIT) != 0u; }
 fn has_more(code: u32) -> bool { return (code & MORE_BIT) != 0u; }
 fn edges_of(code: u32) -> u32 { return ((code >> EDGES_SHIFT) & EDGES_MASK) + 1u; }

@@ -36,11 +36,12 @@ struct Frame {
     // Angle of a pixel at the image's centre, radians.
     pixel_angle: f32,
     imagery_side: f32,
-    // Width of the pyramid's image, nodes.
-    pyramid_width: u32,
+    // Nodes of a tile's pyramid.
+    pyramid_nodes: u32,
     // Highest ground of the city, metres above the eye.
     max_ground: f32,
-    padding: u32,
+    // Parts that a terrain mesh divides a cell's side into.
+    mesh_parts: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

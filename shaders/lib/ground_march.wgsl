@@ -11,8 +11,8 @@ fn leaves(border: vec2<f32>, start: vec2<f32>, ray: Ray) -> f32 {
 
 // First meeting with the bilinear surface of a cell between t0 and t1: a quadratic in t (Ramsey, Potter & Hansen 2004, "Ray
 // Bilinear Patch Intersections", for a patch over a square). `start`: the ray's start in cells from the cell's corner.
-fn meet_cell(h: vec4<f32>, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
-    let d = ray.direction.xy / frame.terrain_step_m;
+fn meet_cell(h: vec4<f32>, step_m: f32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+    let d = ray.direction.xy / step_m;
     // Counted from t0, for the sake of its digits.
     let p = start + t0 * d;
     let slope = vec2<f32>(h.y - h.x, h.z - h.x);
@@ -30,14 +30,15 @@ fn meet_cell(h: vec4<f32>, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 
 }
 
 // First meeting with the ground of one tile between t0 and t1, cell by cell. `start`: the ray's start, metres from the tile's corner.
-fn walk_cells(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+fn walk_cells(entry: TableEntry, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+    let step_m = terrain_step(entry.level);
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), ray.direction.xy >= vec2<f32>(0.0));
     var t = t0;
     for (var i = 0u; i < MAX_STEPS; i += 1u) {
-        let cell = cell_at((start + (t + slack(t)) * ray.direction.xy) / frame.terrain_step_m);
-        let t_past = min(t1, max(leaves((vec2<f32>(cell) + lead) * frame.terrain_step_m, start, ray), t));
-        let local = start / frame.terrain_step_m - vec2<f32>(cell);
-        let met = meet_cell(cell_heights(cell, layer), local, ray, t, t_past);
+        let cell = cell_at((start + (t + slack(t)) * ray.direction.xy) / step_m);
+        let t_past = min(t1, max(leaves((vec2<f32>(cell) + lead) * step_m, start, ray), t));
+        let local = start / step_m - vec2<f32>(cell);
+        let met = meet_cell(cell_heights(cell, u32(entry.slot)), step_m, local, ray, t, t_past);
         if met < FAR { return met; }
         t = max(t_past, t + slack(t));
         if t >= t1 { break; }
@@ -53,7 +54,8 @@ fn clears(bound: f32, ray: Ray, t1: f32) -> f32 {
 }
 
 // First meeting with the ground of one tile between t0 and t1.
-fn walk_ground_tile(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+fn walk_ground_tile(entry: TableEntry, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) -> f32 {
+    let layer = entry.slot;
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), ray.direction.xy >= vec2<f32>(0.0));
     // Only below the tile's highest ground.
     let end = clears(textureLoad(ground_bounds, vec2<i32>(0), layer, GROUND_LEVELS - 1u).x, ray, t1);
@@ -62,7 +64,7 @@ fn walk_ground_tile(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) ->
     var level = 0u;
     for (var i = 0u; i < MAX_STEPS; i += 1u) {
         let blocks = GROUND_BLOCKS >> level;
-        let size = frame.tile_m / f32(blocks);
+        let size = level_tile_m(entry.level) / f32(blocks);
         let position = (start + (t + slack(t)) * ray.direction.xy) / size;
         let block = clamp(vec2<i32>(floor(position)), vec2<i32>(0), vec2<i32>(blocks - 1));
         let t_past = min(end, max(leaves((vec2<f32>(block) + lead) * size, start, ray), t));
@@ -73,7 +75,7 @@ fn walk_ground_tile(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) ->
                 level -= 1u;
                 continue;
             }
-            let met = walk_cells(layer, start, ray, t, clears(bound, ray, t_past));
+            let met = walk_cells(entry, start, ray, t, clears(bound, ray, t_past));
             if met < FAR { return met; }
         } else {
             level = min(level + 1u, GROUND_LEVELS - 1u);
@@ -87,7 +89,6 @@ fn walk_ground_tile(layer: u32, start: vec2<f32>, ray: Ray, t0: f32, t1: f32) ->
 // First meeting with the ground of any tile between t0 and t1, FAR without one.
 fn walk_ground(ray: Ray, t0: f32, t1: f32) -> f32 {
     let forward = ray.direction.xy >= vec2<f32>(0.0);
-    let step = select(vec2<i32>(-1), vec2<i32>(1), forward);
     let lead = select(vec2<f32>(0.0), vec2<f32>(1.0), forward);
     let min_border = tile_corner(vec2<i32>(0)) - ray.start.xy;
     let max_border = tile_corner(frame.grid) - ray.start.xy;
@@ -102,15 +103,17 @@ fn walk_ground(ray: Ray, t0: f32, t1: f32) -> f32 {
     let position = frame.eye_in_tile + ray.start.xy + t * ray.direction.xy;
     var tile = frame.eye_tile + vec2<i32>(floor(position / frame.tile_m));
     for (var i = 0u; i < MAX_STEPS; i += 1u) {
-        let t_border = (tile_corner(tile) + lead * frame.tile_m - ray.start.xy) * ray.inverse;
+        let entry = terrain_entry(tile);
+        let first = tile_over(tile, entry.level);
+        let corner = tile_corner(first);
+        let t_border = (corner + lead * level_tile_m(entry.level) - ray.start.xy) * ray.inverse;
         let t_past = min(end, min(t_border.x, t_border.y));
-        let layer = terrain_layer(tile);
-        if layer >= 0 && t_past > t {
-            let met = walk_ground_tile(u32(layer), ray.start.xy - tile_corner(tile), ray, t, t_past);
+        if entry.slot >= 0 && t_past > t {
+            let met = walk_ground_tile(entry, ray.start.xy - corner, ray, t, t_past);
             if met < FAR { return met; }
         }
         t = max(t, t_past);
-        tile += select(vec2<i32>(0, step.y), vec2<i32>(step.x, 0), t_border.x <= t_border.y);
+        tile = tile_past(first, entry.level, ray, t, t_border.x <= t_border.y);
         if t >= end { break; }
     }
     return FAR;

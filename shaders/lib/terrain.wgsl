@@ -1,17 +1,17 @@
 // The terrain of all resident tiles. Host: src/scene/ground_tiles.rs.
 
 struct GroundRecord {
+    // The south-western tile of the grid that it covers, its level.
     tile: vec2<i32>,
+    level: u32,
     layer: u32,
-    // Parts that the mesh divides a cell's side into.
-    mesh_parts: u32,
 }
 
-@group(1) @binding(7) var<storage, read> ground_tiles: array<GroundRecord>;
+@group(1) @binding(4) var<storage, read> ground_tiles: array<GroundRecord>;
 // Metres above the vertical datum, a sample a texel, row by row from the south.
-@group(1) @binding(8) var heights: texture_2d_array<f32>;
+@group(1) @binding(5) var heights: texture_2d_array<f32>;
 // Highest ground of square blocks, GROUND_BLOCKS along a tile's side on level 0.
-@group(1) @binding(9) var ground_bounds: texture_2d_array<f32>;
+@group(1) @binding(6) var ground_bounds: texture_2d_array<f32>;
 
 // The four samples round a lattice cell: south-west, south-east, north-west, north-east.
 fn cell_heights(cell: vec2<i32>, layer: u32) -> vec4<f32> {
@@ -28,24 +28,21 @@ fn cell_at(position: vec2<f32>) -> vec2<i32> {
     return clamp(vec2<i32>(floor(position)), vec2<i32>(0), vec2<i32>(i32(frame.terrain_side) - 2));
 }
 
+// Distance between the samples of a tile of a level, metres.
+fn terrain_step(level: u32) -> f32 { return frame.terrain_step_m * f32(1u << level); }
+
 // The DTM's bilinear surface near a position: height above the eye and slope.
 struct Surface {
     height: f32,
     slope: vec2<f32>,
 }
 
-fn surface_at(position: vec2<f32>, layer: u32) -> Surface {
+fn surface_at(position: vec2<f32>, layer: u32, level: u32) -> Surface {
     let cell = cell_at(position);
     let f = clamp(position - vec2<f32>(cell), vec2<f32>(-0.5), vec2<f32>(1.5));
     let h = cell_heights(cell, layer);
     let south = mix(h.x, h.y, f.x);
     let north = mix(h.z, h.w, f.x);
-    let slope = vec2<f32>(mix(h.y - h.x, h.w - h.z, f.y), north - south) / frame.terrain_step_m;
+    let slope = vec2<f32>(mix(h.y - h.x, h.w - h.z, f.y), north - south) / terrain_step(level);
     return Surface(mix(south, north, f.y) - frame.eye_elevation, slope);
-}
-
-// Layer of a tile's terrain, -1 without any.
-fn terrain_layer(tile: vec2<i32>) -> i32 {
-    if any(tile < vec2<i32>(0)) || any(tile >= frame.grid) { return -1; }
-    return textureLoad(tile_table, tile, 0).z;
 }

@@ -15,16 +15,19 @@ const NOTHING: f32 = -1.0e9;
 // Bound on the roofs of a pyramid block, metres above the vertical datum, by its place in a grid of such blocks over the whole
 // city.
 fn highest_of(block: vec2<i32>, level: u32) -> f32 {
-    let shift = vec2<u32>(frame.tile_texels_log2 - level);
-    let tile = block >> shift;
-    if any(tile < vec2<i32>(0)) || any(tile >= frame.grid) { return NOTHING; }
-    let slot = textureLoad(tile_table, tile, 0).x;
-    if slot < 0 { return NOTHING; }
-    let record = slot_at(slot);
+    let tile = block >> vec2<u32>(frame.tile_texels_log2 - level);
+    let entry = map_entry(tile);
+    if entry.slot < 0 { return NOTHING; }
+    let record = slot_at(entry.slot);
+    // Of a coarser map the block that lies over this one, which no map has finer than 4 x 4 texels.
+    let own_level = max(i32(level) - i32(entry.level), 2);
+    let shift = u32(own_level + i32(entry.level)) - level;
+    let first_block = tile_over(tile, entry.level) << vec2<u32>(frame.tile_texels_log2 - level);
+    let local = (block - first_block) >> vec2<u32>(shift);
     // A block is a child of a node or, at odd levels, four of them.
-    let odd = vec2<i32>(i32(level & 1u));
-    let first = (block - (tile << shift)) << vec2<u32>(odd);
-    let rows = node_at(first >> vec2<u32>(2u), level >> 1u, slot);
+    let odd = vec2<i32>(own_level & 1);
+    let first = local << vec2<u32>(odd);
+    let rows = node_at(first >> vec2<u32>(2u), u32(own_level) >> 1u, record);
     let highest = max(
         max(child_byte(rows, first), child_byte(rows, first + odd)),
         max(child_byte(rows, first + odd * vec2<i32>(1, 0)), child_byte(rows, first + odd * vec2<i32>(0, 1))),
@@ -96,7 +99,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
         if lowest > highest - frame.eye_elevation {
             t = t_next;
             level = min(level + 1u, frame.tile_texels_log2);
-        } else if level > 1u && 0.5 * size >= WIDTH_IN_RADII * (spread * t + CONE_SLACK) {
+        } else if level > 2u && 0.5 * size >= WIDTH_IN_RADII * (spread * t + CONE_SLACK) {
             level -= 1u;
         } else {
             break;

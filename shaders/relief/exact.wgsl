@@ -58,5 +58,5 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec4<u32> {
     // so that its depth keeps the face behind it from walking the same ray again.
     if hit.t >= FAR { return vec4<u32>(bitcast<u32>(FAR), 0u, 0u, 0u); }
     let along = bitcast<u32>(facade_coordinate(hit));
-    return vec4<u32>(bitcast<u32>(hit.t), hit.fid, along, pack_normal(hit_normal(hit)));
+    return vec4<u32>(bitcast<u32>(hit.t), hit.fid, along, pack_normal(hit_normal(hit, ray)));
 }

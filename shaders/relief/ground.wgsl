@@ -7,6 +7,7 @@ struct GroundVertex {
     // In samples from the tile's south-west corner.
     @location(1) position: vec2<f32>,
     @location(2) @interpolate(flat) layer: u32,
+    @location(3) @interpolate(flat) level: u32,
 }
 
 // The bilinear surface at a mesh position. Weights 0 and 1 give the sample itself, so that tiles agree on their border.
@@ -20,15 +21,19 @@ fn mesh_height(position: vec2<i32>, parts: i32, layer: u32) -> f32 {
 @vertex
 fn vs(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> GroundVertex {
     let tile = ground_tiles[instance];
-    let parts = i32(tile.mesh_parts);
+    let parts = i32(frame.mesh_parts);
     let last = (i32(frame.terrain_side) - 1) * parts;
-    let position = vec2<i32>(i32(index) % (last + 1), i32(index) / (last + 1));
+    // Vertices of the skirt hang below those of the mesh's border.
+    let number = i32(index & (SKIRT_BIT - 1u));
+    let position = vec2<i32>(number % (last + 1), number / (last + 1));
     // The far border is the next tile's near one, rounding included: no gap opens between tiles.
     let next = position / last;
-    let plan = tile_corner(tile.tile + next) + vec2<f32>(position - next * last) * (frame.terrain_step_m / f32(parts));
-    let at = vec3<f32>(plan, mesh_height(position, parts, tile.layer) - frame.eye_elevation);
+    let step_m = terrain_step(tile.level);
+    let plan = tile_corner(tile.tile + (next << vec2<u32>(tile.level))) + vec2<f32>(position - next * last) * (step_m / f32(parts));
+    let drop = select(0.0, SKIRT_M * f32(1u << tile.level), (index & SKIRT_BIT) != 0u);
+    let at = vec3<f32>(plan, mesh_height(position, parts, tile.layer) - frame.eye_elevation - drop);
     let in_samples = vec2<f32>(position) / f32(parts);
-    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, in_samples, tile.layer);
+    return GroundVertex(frame.clip_from_eye_relative * vec4<f32>(at, 1.0), at, in_samples, tile.layer, tile.level);
 }
 
 struct GroundSurface {
@@ -38,7 +43,7 @@ struct GroundSurface {
 }
 
 // Newton steps from the triangle to the DTM itself.
-const MAX_NEWTON_STEPS: i32 = 3;
+const MAX_NEWTON_STEPS: i32 = 8;
 // Good enough, metres.
 const NEAR_ENOUGH_M: f32 = 0.01;
 // Least loss of height above the ground per metre along the ray: below it the ray grazes and the triangle stays.
@@ -53,17 +58,18 @@ fn fs(in: GroundVertex) -> GroundSurface {
     let on_mesh = length(in.at);
     let direction = in.at / on_mesh;
     var t = on_mesh;
-    var surface = surface_at(in.position, in.layer);
+    var surface = surface_at(in.position, in.layer, in.level);
     var above = in.at.z - surface.height;
+    let above_on_mesh = abs(above);
     for (var i = 0; i < MAX_NEWTON_STEPS; i += 1) {
         let closing = dot(surface.slope, direction.xy) - direction.z;
         if abs(above) < NEAR_ENOUGH_M || closing < MIN_CLOSING { break; }
         t = clamp(t + above / closing, on_mesh - MAX_CARRY_M, on_mesh + MAX_CARRY_M);
         let at = direction * t;
-        surface = surface_at(in.position + (at.xy - in.at.xy) / frame.terrain_step_m, in.layer);
+        surface = surface_at(in.position + (at.xy - in.at.xy) / terrain_step(in.level), in.layer, in.level);
         above = at.z - surface.height;
     }
     // Over a crest the steps may lead nowhere: then the triangle stands.
-    if abs(above) > 0.05 || t < 0.5 * on_mesh { t = on_mesh; }
+    if (abs(above) > 0.05 && abs(above) > 0.25 * above_on_mesh) || t < 0.5 * on_mesh { t = on_mesh; }
     return GroundSurface(t, pack_normal(normalize(vec3<f32>(-surface.slope, 1.0))));
 }

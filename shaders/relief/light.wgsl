@@ -28,14 +28,13 @@ fn random3(seed: vec3<u32>) -> vec3<f32> {
 
 // Imagery at an eye-relative position, linear; alpha 0 where there is none.
 fn imagery_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
-    let position = (frame.eye_in_tile + plan) / frame.tile_m;
-    let tile = frame.eye_tile + vec2<i32>(floor(position));
-    if any((tile < vec2<i32>(0))) || any((tile >= frame.grid)) || frame.imagery_side <= 1.0 { return vec4<f32>(0.0); }
-    let layer = textureLoad(tile_table, tile, 0).y;
-    if layer < 0 { return vec4<f32>(0.0); }
-    let uv = fract(position);
-    let pixels = t * frame.pixel_angle * frame.imagery_side / (frame.tile_m * sqrt(max(facing, 0.05)));
-    let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), layer, log2(max(pixels, 1.0)));
+    let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + plan) / frame.tile_m));
+    let entry = imagery_entry(tile);
+    if entry.slot < 0 { return vec4<f32>(0.0); }
+    let tile_m = level_tile_m(entry.level);
+    let uv = (plan - tile_corner(tile_over(tile, entry.level))) / tile_m;
+    let pixels = t * frame.pixel_angle * frame.imagery_side / (tile_m * sqrt(max(facing, 0.05)));
+    let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), entry.slot, log2(max(pixels, 1.0)));
     return colour;
 }
 
@@ -67,10 +66,11 @@ fn lifted(at: vec3<f32>, normal: vec3<f32>, is_ground: bool) -> vec3<f32> {
     let lift = LIFT.x + LIFT.y * length(at);
     let start = at + normal * lift;
     if !is_ground { return start; }
-    let position = (frame.eye_in_tile + start.xy) / frame.tile_m;
-    let layer = terrain_layer(frame.eye_tile + vec2<i32>(floor(position)));
-    if layer < 0 { return start; }
-    let surface = surface_at(fract(position) * f32(frame.terrain_side - 1u), u32(layer));
+    let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + start.xy) / frame.tile_m));
+    let entry = terrain_entry(tile);
+    if entry.slot < 0 { return start; }
+    let local = start.xy - tile_corner(tile_over(tile, entry.level));
+    let surface = surface_at(local / terrain_step(entry.level), u32(entry.slot), entry.level);
     return vec3<f32>(start.xy, max(start.z, surface.height + lift));
 }
 

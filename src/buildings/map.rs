@@ -1,17 +1,19 @@
-//! What a building map holds and how its cell codes are read.
+//! A tile's building map: a sparse raster of cell codes ([`super::cell`]), the outlines and roofs that they point at.
 //!
-//! One `u32` code per texel:
+//! Three quarters of a city's texels hold no building, so only blocks of 4 x 4 texels that hold one are stored. All integers are in
+//! one array of words:
 //!
-//! | bits 31-30 | meaning | the rest |
-//! |---|---|---|
-//! | 0 | no building | 0 |
-//! | 1 FULL | one roof covers the texel | bits 23-0: building |
-//! | 2 RUN | outline vertices first..first+edges are edges that touch the texel | see [`Run`] |
-//! | 3 LIST | several of the above | bits 23-0: offset into `lists`: a count, then that many codes |
+//! | part | words |
+//! |---|---|
+//! | index | one for each group of 4 x 4 blocks, row by row from the south: bits 15-0 tell which of its blocks hold a building, bits 31-16 where their entries begin in the next part |
+//! | entries | one for each such block: a FULL code where one roof covers the whole block, otherwise LIST with the place of the block's record |
+//! | records | a header of two bits a texel (0 no building, 1 the block's commonest roof, 2 a code of its own), that roof's FULL code if any texel has it, then the texels' own codes |
+//! | lists | a count, then that many codes |
 //!
-//! A texel's reference point ([`BuildingMap::REFERENCE`]) lies inside the run's building when its INSIDE bit is
-//! set; any other point of the texel is inside when the segment to the reference crosses the run's edges an
-//! even (inside) or odd (outside) number of times. That makes the test exact at any texel size.
+//! Blocks of a group, texels of a block: row by row from the south-west. Places count from the first word.
+
+use super::cell::{CellKind, INDEX_LIMIT};
+use super::rasterise::{CellRaster, MapTooLarge};
 
 /// A tile's building map. Local coordinates: metres from the tile's south-west corner.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,14 +22,15 @@ pub struct BuildingMap {
     pub side: usize,
     /// Side of a texel, metres.
     pub texel_m: f32,
-    /// `side * side` codes, row by row from the south.
-    pub cells: Vec<u32>,
+    /// Index, entries, records and lists.
+    pub words: Vec<u32>,
     /// Outline vertices; edge e runs from vertex e to e+1.
     pub vertices: Vec<OutlineVertex>,
-    /// Lists of codes for texels that need more than one.
-    pub lists: Vec<u32>,
     /// Buildings that touch the tile, by ascending id.
     pub roofs: Vec<RoofRecord>,
+    /// Lowest ground or base under the tile's buildings and their highest roof, metres, those included that a coarse level does not
+    /// show.
+    pub height_range: [f32; 2],
 }
 
 /// A vertex of an outline.
@@ -54,132 +57,225 @@ pub struct RoofRecord {
     pub fid: u32,
 }
 
-/// A contiguous run of outline edges of one building.
+/// A block of 4 x 4 texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
-    /// The texel's reference point is inside the building.
-    pub inside: bool,
-    /// The next code of the list belongs to the same building.
-    pub more: bool,
-    /// Number of edges, 1 to 16.
-    pub edges: u32,
-    /// First vertex.
-    pub first: u32,
-}
-
-/// A decoded cell code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CellKind {
+pub enum Block {
     /// No building.
     Empty,
-    /// One roof covers the texel.
-    Full(u32),
-    /// Outline edges of one building.
-    Run(Run),
-    /// Offset into `lists`.
-    List(u32),
+    /// The FULL code of the one roof that covers it.
+    Uniform(u32),
+    /// Where its record begins in the words.
+    Record(usize),
 }
 
-/// Where the fields of a cell code lie; shaders get them in their prelude.
-pub struct CellFields {
-    /// Bits below the kind.
-    pub kind_shift: u32,
-    /// Kind of a texel under one roof.
-    pub full: u32,
-    /// Kind of a texel with one run of edges.
-    pub run: u32,
-    /// Kind of a texel with a list.
-    pub list: u32,
-    /// The reference point lies inside.
-    pub inside_bit: u32,
-    /// The next code belongs to the same building.
-    pub more_bit: u32,
-    /// Bits below the number of edges less one.
-    pub edges_shift: u32,
-    /// That number's mask.
-    pub edges_mask: u32,
-    /// Mask of an index.
-    pub index_mask: u32,
-}
-
-/// The fields.
-pub const CELL: CellFields = CellFields {
-    kind_shift: 30,
-    full: 1,
-    run: 2,
-    list: 3,
-    inside_bit: 1 << 29,
-    more_bit: 1 << 28,
-    edges_shift: 24,
-    edges_mask: 15,
-    index_mask: (1 << 24) - 1,
-};
-/// Indices in a code have 24 bits.
-pub const INDEX_LIMIT: usize = CELL.index_mask as usize + 1;
-
-impl CellKind {
-    /// Reads a code.
-    pub fn from_code(code: u32) -> Self {
-        let index = code & CELL.index_mask;
-        match code >> CELL.kind_shift {
-            0 => Self::Empty,
-            kind if kind == CELL.full => Self::Full(index),
-            kind if kind == CELL.run => Self::Run(Run {
-                inside: code & CELL.inside_bit != 0,
-                more: code & CELL.more_bit != 0,
-                edges: ((code >> CELL.edges_shift) & CELL.edges_mask) + 1,
-                first: index,
-            }),
-            _ => Self::List(index),
-        }
-    }
-
-    /// Writes a code.
-    pub fn code(self) -> u32 {
-        match self {
-            Self::Empty => 0,
-            Self::Full(building) => (CELL.full << CELL.kind_shift) | building,
-            Self::Run(run) => {
-                (CELL.run << CELL.kind_shift)
-                    | if run.inside { CELL.inside_bit } else { 0 }
-                    | if run.more { CELL.more_bit } else { 0 }
-                    | ((run.edges - 1) << CELL.edges_shift)
-                    | run.first
-            }
-            Self::List(offset) => (CELL.list << CELL.kind_shift) | offset,
-        }
-    }
-}
+/// Texels along a block's side; blocks along a group's.
+pub const BLOCK: usize = 4;
+/// Texels of a block.
+const TEXELS: usize = BLOCK * BLOCK;
+/// What a record's header says of a texel; shaders have the last two as `TEXEL_MAIN` and `TEXEL_OWN`.
+const TEXEL_EMPTY: u32 = 0;
+/// See [`TEXEL_EMPTY`].
+pub const TEXEL_MAIN: u32 = 1;
+/// See [`TEXEL_EMPTY`].
+pub const TEXEL_OWN: u32 = 2;
 
 impl BuildingMap {
     /// Where in a texel the parity of its outline is known, in texels from its south-west corner. Off the centre
     /// and off the diagonals, because real outlines like to run through those.
     pub const REFERENCE: [f32; 2] = [0.4387, 0.5719];
 
+    /// Most texels along a side: entries are counted in 16 bits, and the guard on the steps of a walk (`MAX_STEPS` in
+    /// `relief::constants`) stands on it.
+    pub const MAX_SIDE: usize = 1024;
+
     /// Farther from sea level than any ground or roof that an import lets in, metres.
     const MAX_ELEVATION_M: f32 = 100_000.0;
 
-    /// Bytes that the map takes on the GPU without its pyramid: a code a texel and a list; a record of 16 bytes and a length
-    /// along the outline for every vertex and roof.
+    /// Groups along the side of a map of `side` texels.
+    pub fn groups_across(side: usize) -> usize {
+        (side / TEXELS).max(1)
+    }
+
+    /// Stores the occupied blocks of a raster.
+    ///
+    /// # Errors
+    /// When a place does not fit in a code.
+    pub(super) fn from_raster(raster: CellRaster) -> Result<Self, MapTooLarge> {
+        let side = raster.side;
+        let groups = Self::groups_across(side);
+        let blocks = side.div_ceil(BLOCK);
+        let block_at = |column: usize, row: usize| -> [u32; TEXELS] {
+            std::array::from_fn(|texel| {
+                let [x, y] = [BLOCK * column + texel % BLOCK, BLOCK * row + texel / BLOCK];
+                match x < side && y < side {
+                    true => raster.cells[y * side + x],
+                    false => 0,
+                }
+            })
+        };
+        let mut index = Vec::with_capacity(groups * groups);
+        let mut occupied = Vec::new();
+        for group in 0..groups * groups {
+            let first = occupied.len() as u32;
+            let mut mask = 0;
+            for block in 0..TEXELS {
+                let column = BLOCK * (group % groups) + block % BLOCK;
+                let row = BLOCK * (group / groups) + block / BLOCK;
+                if column >= blocks || row >= blocks {
+                    continue;
+                }
+                let codes = block_at(column, row);
+                if codes.iter().any(|&code| code != 0) {
+                    mask |= 1 << block;
+                    occupied.push(codes);
+                }
+            }
+            index.push((first << 16) | mask);
+        }
+        let entries = index.len();
+        let mut words = index;
+        words.resize(entries + occupied.len(), 0);
+        let mut own_lists = Vec::new();
+        for (block, codes) in occupied.iter().enumerate() {
+            let is_uniform = codes.iter().all(|&code| code == codes[0])
+                && matches!(CellKind::from_code(codes[0]), CellKind::Full(_));
+            words[entries + block] = match is_uniform {
+                true => codes[0],
+                false => {
+                    let place = words.len();
+                    push_record(&mut words, codes, &mut own_lists);
+                    place_code(place)?
+                }
+            };
+        }
+        let lists = words.len();
+        words.extend(&raster.lists);
+        for word in own_lists {
+            if let CellKind::List(offset) = CellKind::from_code(words[word]) {
+                words[word] = place_code(lists + offset as usize)?;
+            }
+        }
+        Ok(Self {
+            side,
+            texel_m: raster.texel_m,
+            words,
+            height_range: raster
+                .roofs
+                .iter()
+                .fold([f32::INFINITY, f32::NEG_INFINITY], |[lowest, highest], roof| {
+                    [lowest.min(roof.base_m), highest.max(roof.roof_m)]
+                }),
+            vertices: raster.vertices,
+            roofs: raster.roofs,
+        })
+    }
+
+    /// True without a building.
+    pub fn is_empty(&self) -> bool {
+        self.words.len() == Self::groups_across(self.side).pow(2)
+    }
+
+    /// Bytes that the map takes on the GPU without its pyramid: its words; a record of 16 bytes for every vertex, roof and occupied
+    /// block, and a length along the outline for every vertex.
     pub fn bytes(&self) -> usize {
-        4 * (self.cells.len() + self.lists.len()) + 20 * (self.vertices.len() + self.roofs.len())
+        4 * self.words.len() + 20 * self.vertices.len() + 16 * (self.roofs.len() + self.occupied_count())
     }
 
-    /// Lowest ground under the tile's buildings, metres; infinity without buildings.
-    pub fn lowest_base(&self) -> f32 {
-        self.roofs
-            .iter()
-            .map(|roof| roof.base_m)
-            .fold(f32::INFINITY, f32::min)
+    /// Number of blocks that hold a building.
+    pub fn occupied_count(&self) -> usize {
+        let index = self.words.iter().take(Self::groups_across(self.side).pow(2));
+        index.map(|word| (word & 0xffff).count_ones() as usize).sum()
     }
 
-    /// The codes of a cell: itself, or its list.
+    /// Every occupied block as a shader reads it, in the order of the entries: header, code of the commonest roof, place of the
+    /// texels' own codes, 0.
+    pub fn block_records(&self) -> impl Iterator<Item = [u32; 4]> {
+        /// The header of a block that lies under one roof.
+        const UNIFORM: u32 = 0x5555_5555;
+        let first = Self::groups_across(self.side).pow(2);
+        (first..first + self.occupied_count()).map(|entry| match CellKind::from_code(self.word(entry)) {
+            CellKind::List(place) => {
+                let place = place as usize;
+                let header = self.word(place);
+                let has_main = (0..TEXELS).any(|texel| (header >> (2 * texel)) & 3 == TEXEL_MAIN);
+                let own = place + 1 + usize::from(has_main);
+                [header, self.word(place + 1), own as u32, 0]
+            }
+            _ => [UNIFORM, self.word(entry), 0, 0],
+        })
+    }
+
+    /// The same map over ground that goes down to `lowest` metres.
+    pub fn over_ground(mut self, lowest: f32) -> Self {
+        self.height_range[0] = self.height_range[0].min(lowest);
+        self
+    }
+
+    fn word(&self, place: usize) -> u32 {
+        self.words.get(place).copied().unwrap_or(0)
+    }
+
+    /// A block by its column and row among the tile's blocks.
+    pub fn block(&self, column: usize, row: usize) -> Block {
+        let groups = Self::groups_across(self.side);
+        let index = self.word(row / BLOCK * groups + column / BLOCK);
+        let bit = row % BLOCK * BLOCK + column % BLOCK;
+        if index & (1 << bit) == 0 {
+            return Block::Empty;
+        }
+        let before = (index & ((1 << bit) - 1)).count_ones();
+        let entry = self.word(groups * groups + (index >> 16) as usize + before as usize);
+        match CellKind::from_code(entry) {
+            CellKind::List(place) => Block::Record(place as usize),
+            _ => Block::Uniform(entry),
+        }
+    }
+
+    /// The code of a texel of a block.
+    pub fn code_in(&self, block: Block, texel: usize) -> u32 {
+        match block {
+            Block::Empty => 0,
+            Block::Uniform(code) => code,
+            Block::Record(place) => {
+                let header = self.word(place);
+                let kind = |texel: usize| (header >> (2 * texel)) & 3;
+                let has_main = (0..TEXELS).any(|texel| kind(texel) == TEXEL_MAIN);
+                match kind(texel) {
+                    TEXEL_EMPTY => 0,
+                    TEXEL_MAIN => self.word(place + 1),
+                    _ => {
+                        let before = (0..texel).filter(|&other| kind(other) == TEXEL_OWN).count();
+                        self.word(place + 1 + usize::from(has_main) + before)
+                    }
+                }
+            }
+        }
+    }
+
+    /// The code of a texel.
+    pub fn code(&self, column: usize, row: usize) -> u32 {
+        let block = self.block(column / BLOCK, row / BLOCK);
+        self.code_in(block, row % BLOCK * BLOCK + column % BLOCK)
+    }
+
+    /// Every occupied block: its column and row, and its texels' codes.
+    pub fn occupied_blocks(&self) -> impl Iterator<Item = ([usize; 2], [u32; TEXELS])> {
+        let across = BLOCK * Self::groups_across(self.side);
+        (0..across * across).filter_map(move |k| {
+            let [column, row] = [k % across, k / across];
+            let block = self.block(column, row);
+            let codes = std::array::from_fn(|texel| self.code_in(block, texel));
+            (block != Block::Empty).then_some(([column, row], codes))
+        })
+    }
+
+    /// The codes of a list; none of any other code.
     pub fn codes(&self, code: u32) -> &[u32] {
         match CellKind::from_code(code) {
-            CellKind::List(offset) => {
-                let offset = offset as usize;
-                let count = self.lists.get(offset).map_or(0, |&count| count as usize);
-                self.lists.get(offset + 1..offset + 1 + count).unwrap_or(&[])
+            CellKind::List(place) => {
+                let first = place as usize + 1;
+                let count = self.word(place as usize) as usize;
+                self.words.get(first..first.saturating_add(count)).unwrap_or(&[])
             }
             _ => &[],
         }
@@ -188,15 +284,14 @@ impl BuildingMap {
     /// Building of a code that is a run or full.
     pub fn building_of(&self, code: u32) -> Option<u32> {
         match CellKind::from_code(code) {
-            CellKind::Full(building) => Some(building),
+            CellKind::Full(full) => Some(full.building),
             CellKind::Run(run) => Some(self.vertices.get(run.first as usize)?.building),
             _ => None,
         }
     }
 
     /// The building whose roof shows at a texel's reference point, the highest first; none on open ground.
-    pub fn roof_at_reference(&self, cell: usize) -> Option<u32> {
-        let code = self.cells[cell];
+    pub fn roof_at_reference(&self, code: u32) -> Option<u32> {
         let single = [code];
         let codes = match CellKind::from_code(code) {
             CellKind::List(_) => self.codes(code),
@@ -206,7 +301,7 @@ impl BuildingMap {
         let mut continued = false;
         for &code in codes {
             let covers = match CellKind::from_code(code) {
-                CellKind::Full(_) => true,
+                CellKind::Full(full) => full.is_shown(),
                 CellKind::Run(run) => run.inside && !continued,
                 _ => false,
             };
@@ -222,11 +317,16 @@ impl BuildingMap {
         best
     }
 
-    /// Highest roof that touches a texel, metres; negative infinity on open ground.
-    pub fn highest_roof(&self, cell: usize) -> f32 {
-        let code = self.cells[cell];
+    /// Highest roof of a code that shows, metres; negative infinity on open ground.
+    pub fn highest_roof(&self, code: u32) -> f32 {
+        let is_shown = |code: &u32| match CellKind::from_code(*code) {
+            CellKind::Full(full) => full.is_shown(),
+            _ => true,
+        };
         let roof = |code: u32| {
-            self.building_of(code)
+            Some(code)
+                .filter(is_shown)
+                .and_then(|code| self.building_of(code))
                 .and_then(|building| self.roofs.get(building as usize))
                 .map_or(f32::NEG_INFINITY, |record| record.roof_m)
         };
@@ -242,34 +342,12 @@ impl BuildingMap {
 
     /// True when every index in the map points inside it: a damaged tile must not reach the shader.
     pub fn is_sound(&self) -> bool {
-        let sound_code = |code: u32| match CellKind::from_code(code) {
-            CellKind::Empty => false,
-            CellKind::Full(building) => (building as usize) < self.roofs.len(),
-            CellKind::Run(run) => ((run.first + run.edges) as usize) < self.vertices.len(),
-            CellKind::List(_) => false,
-        };
-        let sound_cell = |code: u32| match CellKind::from_code(code) {
-            CellKind::Empty => code == 0,
-            CellKind::List(offset) => {
-                let count = self.lists.get(offset as usize).copied().unwrap_or(u32::MAX);
-                let codes = self.codes(code);
-                let ends = |pair: &[u32]| match (CellKind::from_code(pair[0]), CellKind::from_code(pair[1])) {
-                    (CellKind::Run(run), next) if run.more => {
-                        matches!(next, CellKind::Run(_))
-                            && self.building_of(pair[0]) == self.building_of(pair[1])
-                    }
-                    _ => true,
-                };
-                !codes.is_empty()
-                    && codes.len() == count as usize
-                    && codes.iter().all(|&code| sound_code(code))
-                    && codes.windows(2).all(ends)
-            }
-            _ => sound_code(code),
-        };
         self.side.is_power_of_two()
-            && self.cells.len() == self.side * self.side
-            && self.cells.iter().all(|&code| sound_cell(code))
+            && self.side <= Self::MAX_SIDE
+            && self.has_sound_index()
+            && self
+                .occupied_blocks()
+                .all(|(_, codes)| codes.iter().all(|&code| self.is_sound_cell(code)))
             && self
                 .vertices
                 .iter()
@@ -277,33 +355,98 @@ impl BuildingMap {
             && self.roofs.iter().all(|roof| {
                 roof.roof_m.abs() < Self::MAX_ELEVATION_M && roof.base_m.abs() < Self::MAX_ELEVATION_M
             })
+            && self
+                .height_range
+                .iter()
+                .all(|height| height.abs() < Self::MAX_ELEVATION_M)
+            && (self.roofs.iter()).all(|roof| roof.roof_m <= self.height_range[1])
+    }
+
+    /// The entries follow one another and each is a FULL code or a record inside the words.
+    fn has_sound_index(&self) -> bool {
+        let groups = Self::groups_across(self.side).pow(2);
+        let Some(index) = self.words.get(..groups) else {
+            return false;
+        };
+        let mut entries = 0_usize;
+        for word in index {
+            if (word >> 16) as usize != entries & 0xffff {
+                return false;
+            }
+            entries += (word & 0xffff).count_ones() as usize;
+        }
+        let entries = groups..groups + entries;
+        let is_sound_entry = |&entry: &u32| match CellKind::from_code(entry) {
+            CellKind::Full(full) => (full.building as usize) < self.roofs.len(),
+            CellKind::List(place) => {
+                let header = self.word(place as usize);
+                let count = |kind: u32| (0..TEXELS).filter(move |texel| (header >> (2 * texel)) & 3 == kind);
+                let length = 1 + count(TEXEL_MAIN).count().min(1) + count(TEXEL_OWN).count();
+                place as usize >= entries.end
+                    && place as usize + length <= self.words.len()
+                    && count(3).count() == 0
+                    && count(TEXEL_EMPTY).count() < TEXELS
+            }
+            _ => false,
+        };
+        self.words
+            .get(entries.clone())
+            .is_some_and(|entries| entries.iter().all(is_sound_entry))
+    }
+
+    fn is_sound_cell(&self, code: u32) -> bool {
+        let sound_code = |code: u32| match CellKind::from_code(code) {
+            CellKind::Full(full) => (full.building as usize) < self.roofs.len(),
+            CellKind::Run(run) => ((run.first + run.edges) as usize) < self.vertices.len(),
+            CellKind::Empty | CellKind::List(_) => false,
+        };
+        match CellKind::from_code(code) {
+            CellKind::Empty => code == 0,
+            CellKind::List(place) => {
+                let codes = self.codes(code);
+                let continues =
+                    |pair: &[u32]| match (CellKind::from_code(pair[0]), CellKind::from_code(pair[1])) {
+                        (CellKind::Run(run), next) if run.more => {
+                            matches!(next, CellKind::Run(_))
+                                && self.building_of(pair[0]) == self.building_of(pair[1])
+                        }
+                        _ => true,
+                    };
+                !codes.is_empty()
+                    && codes.len() == self.word(place as usize) as usize
+                    && codes.iter().all(|&code| sound_code(code))
+                    && codes.windows(2).all(continues)
+            }
+            _ => sound_code(code),
+        }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_read_back_as_written() {
-        for kind in [
-            CellKind::Empty,
-            CellKind::Full(77),
-            CellKind::Run(Run {
-                inside: true,
-                more: false,
-                edges: 16,
-                first: 123_456,
-            }),
-            CellKind::Run(Run {
-                inside: false,
-                more: true,
-                edges: 1,
-                first: 0,
-            }),
-            CellKind::List(9_999_999),
-        ] {
-            assert_eq!(CellKind::from_code(kind.code()), kind);
+/// Appends a block's record; notes the words that are places of lists.
+fn push_record(words: &mut Vec<u32>, codes: &[u32; TEXELS], own_lists: &mut Vec<usize>) {
+    let is_full = |code: u32| matches!(CellKind::from_code(code), CellKind::Full(_));
+    let count = |code: u32| codes.iter().filter(|&&other| other == code).count();
+    let full = codes.iter().copied().filter(|&code| is_full(code));
+    let main = full.max_by_key(|&code| (count(code), std::cmp::Reverse(code)));
+    let kind = |code: u32| match code {
+        0 => TEXEL_EMPTY,
+        code if Some(code) == main => TEXEL_MAIN,
+        _ => TEXEL_OWN,
+    };
+    let header = (0..).zip(codes).map(|(texel, &code)| kind(code) << (2 * texel));
+    words.push(header.sum());
+    words.extend(main);
+    for &code in codes.iter().filter(|&&code| kind(code) == TEXEL_OWN) {
+        if matches!(CellKind::from_code(code), CellKind::List(_)) {
+            own_lists.push(words.len());
         }
+        words.push(code);
+    }
+}
+
+fn place_code(place: usize) -> Result<u32, MapTooLarge> {
+    match place < INDEX_LIMIT {
+        true => Ok(CellKind::List(place as u32).code()),
+        false => Err(MapTooLarge),
     }
 }

@@ -12,13 +12,16 @@ pub struct MapTile {
 }
 
 impl MapTile {
-    /// Builds the pyramid. `lowest_ground` is the tile's, metres; the tile's lower bound is that or the lowest base of its
-    /// buildings, whichever is lower.
-    pub fn new(map: BuildingMap, lowest_ground: Option<f32>) -> Self {
-        let min_height = lowest_ground.unwrap_or(f32::INFINITY).min(map.lowest_base());
+    /// Builds the pyramid.
+    pub fn new(map: BuildingMap) -> Self {
         Self {
-            pyramid: Pyramid::from_map(&map, min_height),
+            pyramid: Pyramid::from_map(&map, map.height_range[0]),
             map,
         }
+    }
+
+    /// Bytes that a map takes on the device, pyramid included.
+    pub fn bytes_of(map: &BuildingMap) -> u64 {
+        (map.bytes() + Pyramid::bytes(map.side)) as u64
     }
 }

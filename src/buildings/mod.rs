@@ -2,13 +2,17 @@
 //! crosses. Change a footprint and only its texels change.
 
 mod building;
+mod cell;
+mod coarser;
 mod map;
 mod map_tile;
 mod pyramid;
 mod rasterise;
 
 pub use building::{Building, NoGround, base_of, triangle_bytes};
-pub use map::{BuildingMap, CELL, CellFields, CellKind, OutlineVertex, RoofRecord, Run};
+pub use cell::{CELL, CellFields, CellKind, Full, Run};
+pub use coarser::coarser;
+pub use map::{BLOCK, Block, BuildingMap, OutlineVertex, RoofRecord, TEXEL_MAIN, TEXEL_OWN};
 pub use map_tile::MapTile;
 pub use pyramid::{Pyramid, STEPS as PYRAMID_STEPS};
 pub use rasterise::{MapTooLarge, rasterise};

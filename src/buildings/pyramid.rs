@@ -1,11 +1,12 @@
 //! The pyramid of maxima over the roof elevations: what of a block a ray stays above is skipped in one read (maximum
 //! mipmaps: Tevs, Ihrke & Seidel 2008).
 //!
-//! A node has 4 x 4 children and is one read of 16 bytes, a byte a child: the image takes 1.25 bytes a texel (a seventh of it is
-//! empty), and a ray meets half as many nodes as in a pyramid of 2 x 2. Level 0 has texels for children, every level above nodes of the
-//! level below.
+//! A node has 4 x 4 children and is one read of 16 bytes, a byte a child. The children of a node of level k are squares of 4^k texels
+//! a side: level 1 has the building map's blocks for children and so one node for each group of them, every level above has nodes of
+//! the level below.
 
 use super::BuildingMap;
+use super::map::BLOCK;
 
 /// Highest roofs of a tile.
 #[derive(Clone, Debug)]
@@ -16,7 +17,7 @@ pub struct Pyramid {
     low: f32,
     /// Elevation that byte 255 stands for: the tile's highest roof, metres; negative infinity without buildings.
     high: f32,
-    /// Nodes as an image of [`Pyramid::image_size`]: element r has row r of children from the south, its lowest byte the
+    /// Nodes, level after level, row by row from the south: element r has row r of children from the south, its lowest byte the
     /// western one. 0 = no building.
     nodes: Vec<[u32; 4]>,
 }
@@ -30,20 +31,23 @@ pub const STEPS: f32 = 253.99;
 impl Pyramid {
     /// Builds all levels. `low` is the tile's lowest ground, metres; a roof under it counts as high as it.
     pub fn from_map(map: &BuildingMap, low: f32) -> Self {
-        let mut below: Vec<f32> = (0..map.cells.len()).map(|cell| map.highest_roof(cell)).collect();
+        let children = Self::children_across(map.side, 1);
+        let mut below = vec![f32::NEG_INFINITY; children * children];
+        for ([column, row], codes) in map.occupied_blocks() {
+            let highest = codes.iter().map(|&code| map.highest_roof(code));
+            below[row * children + column] = highest.fold(f32::NEG_INFINITY, f32::max);
+        }
         let high = below.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let mut pyramid = Self {
             side: map.side,
             low,
             high,
-            nodes: Vec::new(),
+            nodes: vec![[0; 4]; Self::node_count(map.side)],
         };
-        let [width, height] = Self::image_size(map.side);
-        pyramid.nodes.resize(width * height, [0; 4]);
-        for level in 0..=Self::top_level(map.side) {
+        for level in 1..=Self::top_level(map.side) {
             let across = Self::nodes_across(map.side, level);
             let mut maxima = vec![f32::NEG_INFINITY; across * across];
-            let children = map.side >> (2 * level);
+            let children = Self::children_across(map.side, level);
             for (child, &highest) in below.iter().enumerate() {
                 let (column, row) = (child % children, child / children);
                 let [x, y] = [column / CHILDREN, row / CHILDREN];
@@ -60,7 +64,12 @@ impl Pyramid {
 
     /// The level of which one child covers a tile of `side` texels, or four do.
     pub fn top_level(side: usize) -> u32 {
-        side.ilog2() / 2
+        (side.ilog2() / 2).max(1)
+    }
+
+    /// Children along a tile's side.
+    fn children_across(side: usize, level: u32) -> usize {
+        (side >> (2 * level)).max(1)
     }
 
     /// Nodes along a tile's side.
@@ -68,27 +77,25 @@ impl Pyramid {
         (side >> (2 * level + 2)).max(1)
     }
 
-    /// Width and height of the image of all nodes: level 0 below, the levels above it side by side on top.
-    pub fn image_size(side: usize) -> [usize; 2] {
-        let width = Self::nodes_across(side, 0);
-        [width, width + (width / CHILDREN).max(1)]
+    /// Nodes of all levels below one: the sum of a geometric series.
+    fn first_node(side: usize, level: u32) -> usize {
+        let blocks = BLOCK * BuildingMap::groups_across(side);
+        (blocks * blocks - (blocks >> (2 * level - 2)).pow(2)) / 15
     }
 
-    /// Bytes of the image.
+    /// Nodes of a tile of `side` texels: the top level has one.
+    pub fn node_count(side: usize) -> usize {
+        Self::first_node(side, Self::top_level(side)) + 1
+    }
+
+    /// Bytes of all nodes.
     pub fn bytes(side: usize) -> usize {
-        let [width, height] = Self::image_size(side);
-        size_of::<[u32; 4]>() * width * height
+        size_of::<[u32; 4]>() * Self::node_count(side)
     }
 
-    /// Place of a node in the image.
+    /// Place of a node.
     fn place(&self, level: u32, [column, row]: [usize; 2]) -> usize {
-        let width = Self::nodes_across(self.side, 0);
-        let [x, y] = match level {
-            0 => [0, 0],
-            // width / 4 + width / 16 + .. of the levels between.
-            _ => [(width - (width >> (2 * level - 2))) / 3, width],
-        };
-        (y + row) * width + x + column
+        Self::first_node(self.side, level) + row * Self::nodes_across(self.side, level) + column
     }
 
     /// Metres of a byte's step.
@@ -118,7 +125,7 @@ impl Pyramid {
         self.high
     }
 
-    /// The image of all nodes, row by row.
+    /// All nodes, level after level.
     pub fn nodes(&self) -> &[[u32; 4]] {
         &self.nodes
     }
@@ -130,7 +137,7 @@ impl Pyramid {
         }
     }
 
-    /// A bound on the roofs of one child (level 0: a texel), metres: no lower than the highest, and at most a step above it; negative
+    /// A bound on the roofs of one child (level 1: a block), metres: no lower than the highest, and at most a step above it; negative
     /// infinity where no building is.
     pub fn bound(&self, level: u32, column: usize, row: usize) -> f32 {
         let node = self.nodes[self.place(level, [column / CHILDREN, row / CHILDREN])];
@@ -142,44 +149,54 @@ impl Pyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::buildings::{CellKind, RoofRecord};
+    use crate::buildings::rasterise::CellRaster;
+    use crate::buildings::{CellKind, Full, RoofRecord};
 
     /// A third of the texels has a roof of one of 17 elevations.
-    fn scattered(side: usize) -> BuildingMap {
+    fn scattered(side: usize) -> (Option<BuildingMap>, Vec<u32>) {
         let roofs = (0..17).map(|k| RoofRecord {
             roof_m: 40.0 + 3.7 * k as f32,
             base_m: 31.0,
             fid: k + 1,
         });
         let code = |cell: usize| match cell.wrapping_mul(2_654_435_761) >> 7 {
-            scattered if scattered % 3 == 0 => CellKind::Full(scattered as u32 % 17).code(),
+            scattered if scattered % 3 == 0 => CellKind::Full(Full::whole(scattered as u32 % 17)).code(),
             _ => 0,
         };
-        BuildingMap {
+        let cells: Vec<u32> = (0..side * side).map(code).collect();
+        let map = BuildingMap::from_raster(CellRaster {
             side,
             texel_m: 1.0,
-            cells: (0..side * side).map(code).collect(),
+            cells: cells.clone(),
             vertices: Vec::new(),
             lists: Vec::new(),
             roofs: roofs.collect(),
-        }
+        });
+        (map.ok(), cells)
     }
 
     #[test]
     fn bounds_hold_on_all_levels_of_tiles_of_any_size() {
         for side in (1..=9).map(|k| 1_usize << k) {
-            let map = scattered(side);
-            let low = map.lowest_base();
+            let (map, cells) = scattered(side);
+            let sound = map.filter(BuildingMap::is_sound);
+            assert!(sound.is_some(), "side {side}");
+            let Some(map) = sound else { continue };
+            let low = map.height_range[0];
             let pyramid = Pyramid::from_map(&map, low);
             let step = (pyramid.max_height() - low) / STEPS;
-            for level in 0..=Pyramid::top_level(side) {
-                let children = side >> (2 * level);
-                assert!(children >= 1, "side {side}, level {level}");
+            for level in 1..=Pyramid::top_level(side) {
+                let children = Pyramid::children_across(side, level);
                 let mut highest = vec![f32::NEG_INFINITY; children * children];
-                for cell in 0..map.cells.len() {
+                for (cell, &code) in cells.iter().enumerate() {
+                    assert_eq!(
+                        map.code(cell % side, cell / side),
+                        code,
+                        "side {side}, texel {cell}"
+                    );
                     let (column, row) = ((cell % side) >> (2 * level), (cell / side) >> (2 * level));
                     let of_child = &mut highest[row * children + column];
-                    *of_child = of_child.max(map.highest_roof(cell));
+                    *of_child = of_child.max(map.highest_roof(code));
                 }
                 for (child, &highest) in highest.iter().enumerate() {
                     let bound = pyramid.bound(level, child % children, child / children);

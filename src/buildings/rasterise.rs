@@ -4,7 +4,8 @@
 use geo::LineString;
 use thiserror::Error;
 
-use super::map::{INDEX_LIMIT, OutlineVertex, RoofRecord};
+use super::cell::{Full, INDEX_LIMIT};
+use super::map::{OutlineVertex, RoofRecord};
 use super::{Building, BuildingMap, CellKind, Run};
 use crate::space::Bounds;
 
@@ -12,6 +13,22 @@ use crate::space::Bounds;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("more than 16 million outline vertices in one tile")]
 pub struct MapTooLarge;
+
+/// The codes of all texels of a tile, before the empty ones are left out.
+pub(super) struct CellRaster {
+    /// Texels along a side.
+    pub side: usize,
+    /// Side of a texel, metres.
+    pub texel_m: f32,
+    /// `side * side` codes, row by row from the south.
+    pub cells: Vec<u32>,
+    /// Lists of codes; a LIST code counts from the first.
+    pub lists: Vec<u32>,
+    /// Outline vertices.
+    pub vertices: Vec<OutlineVertex>,
+    /// Buildings, by ascending id.
+    pub roofs: Vec<RoofRecord>,
+}
 
 /// Texels are widened by this when edges are handed out, so that rounding on the GPU meets no gap, metres.
 const WIDENING_M: f64 = 2e-3;
@@ -222,7 +239,7 @@ impl Work {
             .iter()
             .map(|&building| match building {
                 u32::MAX => 0,
-                building => CellKind::Full(building).code(),
+                building => CellKind::Full(Full::whole(building)).code(),
             })
             .collect();
         let mut lists = Vec::new();
@@ -243,7 +260,7 @@ impl Work {
                 }
             };
         }
-        Ok(BuildingMap {
+        BuildingMap::from_raster(CellRaster {
             side: self.side,
             texel_m: self.texel_m as f32,
             cells,
@@ -262,7 +279,7 @@ impl Work {
         };
         let mut codes = Vec::new();
         if full != u32::MAX {
-            codes.push(CellKind::Full(full).code());
+            codes.push(CellKind::Full(Full::whole(full)).code());
         }
         for group in touches.chunk_by(|a, b| a.building == b.building) {
             let building = group[0].building;

@@ -1,38 +1,44 @@
 //! The three tile kinds as TIFF files.
 //!
 //! Terrain: page 1 heights (f32, samples on the tile's border included, so the raster reaches half a pixel beyond
-//! the tile), page 2 the triangles of the TIN (u32, 3 indices of mesh positions a row: `HeightTile::mesh_parts`).
+//! the tile), pages 2.. the triangles of its TINs, the finest first (u32, 3 indices of mesh positions a row:
+//! `HeightTile::mesh_parts`); [`mesh_errors`] tells how many.
 //!
-//! Buildings: page 1 roof elevation and page 2 building id per texel (what a GIS shows), page 3 the cell codes,
-//! page 4 outline vertices (x, y, along, building; f32, the building's bits as they are), page 5 lists of cell codes,
-//! page 6 roofs (roof, base, fid as u32 bits).
+//! Buildings: on level 0 first roof elevation and building id per texel (what a GIS shows). Then the words of the building map,
+//! outline vertices (x, y, along, building; f32, the building's bits as they are), roofs (roof, base, fid as u32 bits; the last row
+//! has the map's highest roof and lowest ground).
 //!
 //! Imagery: one RGBA page.
+//!
+//! Beside the tiles `terrain/errors.tif`: how far the terrain of coarse levels departs from that of level 0, metres, page L for level L,
+//! a pixel a tile.
 
 use std::path::Path;
 
-use super::CityError;
 use super::geotiff::{GeoKeys, Page, PageReader, Pixels, damaged, write};
-use crate::buildings::{BuildingMap, OutlineVertex, RoofRecord};
-use crate::space::Bounds;
-use crate::terrain::HeightTile;
+use super::{CityError, ImageryTile};
+use crate::buildings::{BLOCK, BuildingMap, OutlineVertex, RoofRecord};
+use crate::space::{Bounds, TileGrid};
+use crate::terrain::{HeightTile, mesh_errors};
 
-/// Ground of one tile: heights and the triangles that carry them.
+/// Ground of one tile: heights and the meshes that carry them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TerrainTile {
     /// Heights.
     pub ground: HeightTile,
-    /// Triangles of the TIN, as indices of mesh positions.
-    pub triangles: Vec<[u32; 3]>,
+    /// Triangles of the TINs, as indices of mesh positions: one for each of [`mesh_errors`].
+    pub meshes: Vec<Vec<[u32; 3]>>,
 }
 
-/// Imagery of one tile.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ImageryTile {
-    /// Pixels along a side.
+/// How the samples of a tile lie.
+#[derive(Clone, Copy, Debug)]
+pub struct Lattice {
+    /// Samples along a side.
     pub side: usize,
-    /// RGBA, rows from the north; alpha 0 without orthophoto.
-    pub rgba: Vec<u8>,
+    /// Distance between them on level 0, metres.
+    pub step_m: f64,
+    /// Level of the tile.
+    pub level: u32,
 }
 
 fn flipped<T: Copy>(rows: &[T], width: usize) -> Vec<T> {
@@ -50,88 +56,77 @@ pub fn write_terrain(
         side,
         step_m,
         heights,
+        ..
     } = &tile.ground;
     let half = 0.5 * step_m;
     let mut pages = vec![Page {
         size: [*side, *side],
         pixels: Pixels::Float(flipped(heights, *side)),
         georeference: Some([bounds.west - half, bounds.north + half, *step_m]),
+        has_runs: false,
     }];
-    if !tile.triangles.is_empty() {
+    for triangles in &tile.meshes {
         pages.push(Page {
-            size: [3, tile.triangles.len()],
-            pixels: Pixels::Word(tile.triangles.iter().flatten().copied().collect()),
+            size: [3, triangles.len()],
+            pixels: Pixels::Word(triangles.iter().flatten().copied().collect()),
             georeference: None,
+            has_runs: false,
         });
     }
     write(path, &pages, keys)
 }
 
-/// Reads the heights of a terrain tile of `side` samples, `step_m` apart.
-pub fn read_heights(path: &Path, side: usize, step_m: f64) -> Result<HeightTile, CityError> {
-    heights_of(&mut PageReader::open(path)?, path, side, step_m)
+/// Reads the heights of a terrain tile.
+pub fn read_heights(path: &Path, lattice: Lattice) -> Result<HeightTile, CityError> {
+    heights_of(&mut PageReader::open(path)?, path, lattice)
 }
 
-fn heights_of(
-    reader: &mut PageReader,
-    path: &Path,
-    side: usize,
-    step_m: f64,
-) -> Result<HeightTile, CityError> {
+fn heights_of(reader: &mut PageReader, path: &Path, lattice: Lattice) -> Result<HeightTile, CityError> {
+    let Lattice { side, step_m, level } = lattice;
     let (heights, _) = reader.floats([Some(side), Some(side)])?;
     if heights.len() != side * side {
         return Err(damaged(path, "a page has more than one band".to_owned()));
     }
     Ok(HeightTile {
         side,
-        step_m,
+        level,
+        step_m: step_m * f64::from(1_u32 << level),
         heights: flipped(&heights, side),
     })
 }
 
-/// Reads a terrain tile, heights and triangles.
-pub fn read_terrain(path: &Path, side: usize, step_m: f64) -> Result<TerrainTile, CityError> {
+/// Reads a terrain tile, heights and meshes.
+pub fn read_terrain(path: &Path, lattice: Lattice) -> Result<TerrainTile, CityError> {
     let mut reader = PageReader::open(path)?;
-    let ground = heights_of(&mut reader, path, side, step_m)?;
-    let (indices, _) = reader.words([Some(3), None])?;
+    let ground = heights_of(&mut reader, path, lattice)?;
     let positions = ground.mesh_side() * ground.mesh_side();
-    if indices.iter().any(|&index| index as usize >= positions) {
-        return Err(damaged(
-            path,
-            "a triangle's vertex is no position of the mesh".to_owned(),
-        ));
+    let mut meshes = Vec::new();
+    for _ in mesh_errors(lattice.level) {
+        let (indices, _) = reader.words([Some(3), None])?;
+        if indices.iter().any(|&index| index as usize >= positions) {
+            return Err(damaged(
+                path,
+                "a triangle's vertex is no position of the mesh".to_owned(),
+            ));
+        }
+        let (triangles, _) = indices.as_chunks::<3>();
+        meshes.push(triangles.to_vec());
     }
-    let (triangles, _) = indices.as_chunks::<3>();
-    Ok(TerrainTile {
-        ground,
-        triangles: triangles.to_vec(),
-    })
+    Ok(TerrainTile { ground, meshes })
 }
 
-/// Writes a building-map tile.
+/// Writes a building-map tile of a level.
 pub fn write_buildings(
     path: &Path,
-    bounds: &Bounds,
+    (level, bounds): (u32, &Bounds),
     map: &BuildingMap,
     keys: &GeoKeys,
 ) -> Result<(), CityError> {
-    let shown: Vec<Option<&RoofRecord>> = (0..map.cells.len())
-        .map(|cell| {
-            map.roof_at_reference(cell)
-                .map(|index| &map.roofs[index as usize])
-        })
-        .collect();
-    let roofs = shown.iter().map(|roof| roof.map_or(f32::NAN, |roof| roof.roof_m));
-    let fids = shown.iter().map(|roof| roof.map_or(0, |roof| roof.fid));
-    let raster = |pixels: Pixels| Page {
-        size: [map.side, map.side],
-        pixels,
-        georeference: Some([bounds.west, bounds.north, f64::from(map.texel_m)]),
-    };
     let table = |columns: usize, values: Vec<u32>| Page {
         size: [columns, values.len() / columns],
         pixels: Pixels::Word(values),
         georeference: None,
+        has_runs: false,
     };
     let vertices = map
         .vertices
@@ -141,41 +136,83 @@ pub fn write_buildings(
         .roofs
         .iter()
         .flat_map(|r| [r.roof_m.to_bits(), r.base_m.to_bits(), r.fid]);
-    // A TIFF page has at least one row: every table ends with a row of padding.
+    let [lowest, highest] = map.height_range.map(f32::to_bits);
+    let records = records.chain([highest, lowest, 0]);
+    // A TIFF page has at least one row: tables end with a row of padding.
     let padded = |mut values: Vec<u32>, columns: usize| {
         values.resize(values.len() + columns, 0);
         values
     };
-    let pages = [
-        raster(Pixels::Float(flipped(&roofs.collect::<Vec<_>>(), map.side))),
-        raster(Pixels::Word(flipped(&fids.collect::<Vec<_>>(), map.side))),
-        raster(Pixels::Word(flipped(&map.cells, map.side))),
+    let mut pages = match level {
+        0 => Vec::from(rasters(bounds, map)),
+        _ => Vec::new(),
+    };
+    pages.extend([
+        table(1, padded(map.words.clone(), 1)),
         table(4, padded(vertices.collect(), 4)),
-        table(1, padded(map.lists.clone(), 1)),
-        table(3, padded(records.collect(), 3)),
-    ];
+        table(3, records.collect()),
+    ]);
     write(path, &pages, keys)
 }
 
-/// Reads a building-map tile of `side` texels of `texel_m` metres.
-pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<BuildingMap, CityError> {
+/// Roof elevation and building id per texel.
+fn rasters(bounds: &Bounds, map: &BuildingMap) -> [Page; 2] {
+    let (mut roofs, mut fids) = (vec![f32::NAN; map.side * map.side], vec![0; map.side * map.side]);
+    for ([block_x, block_y], codes) in map.occupied_blocks() {
+        for (texel, &code) in codes.iter().enumerate() {
+            let (x, y) = (BLOCK * block_x + texel % BLOCK, BLOCK * block_y + texel / BLOCK);
+            if let Some(index) = map.roof_at_reference(code) {
+                let roof = &map.roofs[index as usize];
+                (roofs[y * map.side + x], fids[y * map.side + x]) = (roof.roof_m, roof.fid);
+            }
+        }
+    }
+    [
+        Pixels::Float(flipped(&roofs, map.side)),
+        Pixels::Word(flipped(&fids, map.side)),
+    ]
+    .map(|pixels| Page {
+        size: [map.side, map.side],
+        pixels,
+        georeference: Some([bounds.west, bounds.north, f64::from(map.texel_m)]),
+        has_runs: true,
+    })
+}
+
+/// How the texels of a tile lie.
+#[derive(Clone, Copy, Debug)]
+pub struct TexelGrid {
+    /// Texels along a side.
+    pub side: usize,
+    /// Side of a texel of level 0, metres.
+    pub texel_m: f64,
+    /// Level of the tile.
+    pub level: u32,
+}
+
+/// Reads a building-map tile.
+pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, CityError> {
+    let TexelGrid { side, level, .. } = texels;
+    let texel_m = texels.texel_m * f64::from(1_u32 << level);
     let mut reader = PageReader::open(path)?;
-    let square = [Some(side), Some(side)];
-    reader.floats(square)?;
-    reader.words(square)?;
-    let (cells, _) = reader.words(square)?;
-    let mut table = |columns: usize| -> Result<Vec<u32>, CityError> {
-        let (mut values, _) = reader.words([Some(columns), None])?;
-        values.truncate(values.len() - columns);
-        Ok(values)
-    };
-    let (vertices, lists, roofs) = (table(4)?, table(1)?, table(3)?);
+    if level == 0 {
+        // Roof elevations and ids follow from the rest.
+        reader.skip([Some(side), Some(side)])?;
+        reader.skip([Some(side), Some(side)])?;
+    }
+    let mut table = |columns: usize| Ok::<_, CityError>(reader.words([Some(columns), None])?.0);
+    let (mut words, vertices, roofs) = (table(1)?, table(4)?, table(3)?);
+    words.pop();
     let (vertices, _) = vertices.as_chunks::<4>();
     let (roofs, _) = roofs.as_chunks::<3>();
+    let (Some((_, vertices)), Some((range, roofs))) = (vertices.split_last(), roofs.split_last()) else {
+        return Err(damaged(path, "a table has no row".to_owned()));
+    };
     let map = BuildingMap {
         side,
         texel_m: texel_m as f32,
-        cells: flipped(&cells, side),
+        height_range: [range[1], range[0]].map(f32::from_bits),
+        words,
         vertices: vertices
             .iter()
             .map(|&[x, y, along, building]| OutlineVertex {
@@ -185,7 +222,6 @@ pub fn read_buildings(path: &Path, side: usize, texel_m: f64) -> Result<Building
                 building,
             })
             .collect(),
-        lists,
         roofs: roofs
             .iter()
             .map(|&[roof, base, fid]| RoofRecord {
@@ -213,6 +249,7 @@ pub fn write_imagery(
         size: [imagery.side, imagery.side],
         pixels: Pixels::Rgba(imagery.rgba.clone()),
         georeference: Some([bounds.west, bounds.north, pixel_m]),
+        has_runs: false,
     };
     write(path, &[page], keys)
 }
@@ -221,4 +258,39 @@ pub fn write_imagery(
 pub fn read_imagery(path: &Path, side: usize) -> Result<ImageryTile, CityError> {
     let rgba = PageReader::open(path)?.rgba([Some(side), Some(side)])?;
     Ok(ImageryTile { side, rgba })
+}
+
+/// Writes the errors of the coarse levels, level 1 first; rows from the south.
+pub fn write_terrain_errors(
+    path: &Path,
+    grid: &TileGrid,
+    levels: &[Vec<f32>],
+    keys: &GeoKeys,
+) -> Result<(), CityError> {
+    let pages: Vec<Page> = (1..)
+        .zip(levels)
+        .map(|(level, errors)| {
+            let [columns, rows] = grid.counts(level);
+            let tile_m = grid.level_tile_m(level);
+            Page {
+                size: [columns, rows],
+                pixels: Pixels::Float(flipped(errors, columns)),
+                georeference: Some([grid.west, grid.south + tile_m * rows as f64, tile_m]),
+                has_runs: false,
+            }
+        })
+        .collect();
+    write(path, &pages, keys)
+}
+
+/// Reads them, level 1 first.
+pub fn read_terrain_errors(path: &Path, grid: &TileGrid) -> Result<Vec<Vec<f32>>, CityError> {
+    let mut reader = PageReader::open(path)?;
+    (1..grid.levels())
+        .map(|level| {
+            let [columns, rows] = grid.counts(level);
+            let (errors, _) = reader.floats([Some(columns), Some(rows)])?;
+            Ok(flipped(&errors, columns))
+        })
+        .collect()
 }

@@ -31,6 +31,8 @@ pub struct Page {
     pub pixels: Pixels,
     /// Easting of the west edge, northing of the north edge, side of a pixel; none for tables.
     pub georeference: Option<[f64; 3]>,
+    /// Whether neighbouring pixels are mostly equal.
+    pub has_runs: bool,
 }
 
 /// How a CRS is written into GeoTIFF keys.
@@ -78,10 +80,14 @@ pub fn write(path: &Path, pages: &[Page], keys: &GeoKeys) -> Result<(), CityErro
     let file = File::create(&partial).map_err(CityError::file(&partial))?;
     let mut writer = BufWriter::with_capacity(1 << 20, file);
     {
-        let mut encoder = TiffEncoder::new(&mut writer)
-            .map_err(tile_error)?
-            .with_compression(Compression::Deflate(DeflateLevel::Fast));
+        let mut encoder = TiffEncoder::new(&mut writer).map_err(tile_error)?;
         for page in pages {
+            // A raster of runs becomes half as large by more searching; a table does not, and is wanted sooner.
+            let level = match page.has_runs {
+                true => DeflateLevel::Balanced,
+                false => DeflateLevel::Fast,
+            };
+            encoder = encoder.with_compression(Compression::Deflate(level));
             match &page.pixels {
                 Pixels::Float(values) => write_page::<Gray32Float, _>(&mut encoder, page, values, keys),
                 Pixels::Word(values) => write_page::<Gray32, _>(&mut encoder, page, values, keys),
@@ -176,7 +182,22 @@ impl<'a> PageReader<'a> {
         }
     }
 
+    /// Passes over the next page, which must have a size.
+    pub fn skip(&mut self, size: [Option<usize>; 2]) -> Result<(), CityError> {
+        self.turn_to_next(size).map(drop)
+    }
+
     fn next(&mut self, size: [Option<usize>; 2]) -> Result<(DecodingResult, [usize; 2]), CityError> {
+        let size = self.turn_to_next(size)?;
+        let values = self
+            .decoder
+            .read_image()
+            .map_err(|error| damaged(self.path, error.to_string()))?;
+        Ok((values, size))
+    }
+
+    /// Reads the next page's directory; its size.
+    fn turn_to_next(&mut self, size: [Option<usize>; 2]) -> Result<[usize; 2], CityError> {
         let path = self.path;
         let bad = |error: tiff::TiffError| damaged(path, error.to_string());
         if !self.first {
@@ -191,8 +212,7 @@ impl<'a> PageReader<'a> {
                 format!("a page is {width} x {height}, expected {size:?}"),
             ));
         }
-        let values = self.decoder.read_image().map_err(bad)?;
-        Ok((values, found))
+        Ok(found)
     }
 }
 

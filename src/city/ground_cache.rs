@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use glam::DVec2;
 
 use super::CityError;
-use super::codec::read_heights;
+use super::codec::{Lattice, read_heights};
 use super::layer::Layer;
 use super::tile::ground_at;
 use crate::space::{TileGrid, TileId};
@@ -74,7 +74,14 @@ impl GroundCache {
         }
         let path = Layer::Terrain.tile_path(&self.folder, tile);
         let ground = match path.exists() {
-            true => Some(Arc::new(read_heights(&path, self.side, self.step_m)?)),
+            true => Some(Arc::new(read_heights(
+                &path,
+                Lattice {
+                    side: self.side,
+                    step_m: self.step_m,
+                    level: 0,
+                },
+            )?)),
             false => None,
         };
         self.keep(tile, ground.clone());

@@ -28,11 +28,19 @@ impl Layer {
         }
     }
 
+    /// Where the errors of the terrain's coarse levels lie under a city folder.
+    pub fn errors_path(self, folder: &Path) -> PathBuf {
+        folder.join(self.name()).join("errors.tif")
+    }
+
+    /// Where a level's files lie under a city folder.
+    pub fn level_path(self, folder: &Path, level: u32) -> PathBuf {
+        folder.join(self.name()).join(level.to_string())
+    }
+
     /// Where a tile's file lies under a city folder.
     pub fn tile_path(self, folder: &Path, tile: TileId) -> PathBuf {
-        folder
-            .join(self.name())
-            .join(tile.level.to_string())
+        self.level_path(folder, tile.level)
             .join(format!("{}_{}.tif", tile.x, tile.y))
     }
 }

@@ -7,7 +7,7 @@ use crate::source::{FootprintReport, HeightRule};
 use crate::space::{Accuracy, Crs, Operation, Place, TileGrid};
 
 /// Version of the folder's layout; a reader refuses others.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// The whole of `city.toml`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub struct Manifest {
     /// Pixels along a orthophoto tile's side, 0 without orthophotos.
     #[serde(rename = "photo_side")]
     pub imagery_side: usize,
-    /// Levels of the tile quadtree present (1 = level 0 only).
+    /// Levels of the tile quadtree; one tile of the last covers the city.
     pub levels: u32,
     /// Terrain tiles on disk.
     pub terrain_tiles: u64,

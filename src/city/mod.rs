@@ -4,6 +4,7 @@ mod codec;
 mod error;
 mod geotiff;
 mod ground_cache;
+mod imagery_tile;
 mod layer;
 mod import;
 mod manifest;
@@ -14,8 +15,9 @@ mod tile;
 mod update;
 mod writer;
 
-pub use codec::{ImageryTile, TerrainTile};
+pub use codec::TerrainTile;
 pub use error::CityError;
+pub use imagery_tile::ImageryTile;
 pub use import::{ImportOptions, ImportReport, ImportWarning, Setting, import};
 pub use layer::Layer;
 pub use manifest::{Manifest, OperationRecord, SourceRecord};

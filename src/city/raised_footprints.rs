@@ -111,20 +111,16 @@ pub fn building_map(
     buildings: &[&Building],
 ) -> Result<Option<BuildingMap>, MapTooLarge> {
     let map = rasterise(&grid.tile_bounds(id), side, buildings)?;
-    let is_empty = map.vertices.is_empty() && map.cells.iter().all(|&code| code == 0);
-    Ok((!is_empty).then_some(map))
+    Ok((!map.is_empty()).then_some(map))
 }
 
 impl City {
-    /// Every footprint of the dataset on its base, by id; those without ground are left out. `ground`: metres at a point of
-    /// the city. The one reader of a finished city that needs GDAL.
+    /// Every footprint of the dataset on its base, by id; those without ground are left out. The one reader of a finished city that
+    /// needs GDAL.
     ///
     /// # Errors
-    /// When the dataset cannot be read.
-    pub fn raised_buildings(
-        &self,
-        ground: impl Fn(f64, f64) -> Option<f64> + Sync,
-    ) -> Result<Vec<Building>, CityError> {
+    /// When the dataset or the ground cannot be read.
+    pub fn raised_buildings(&self) -> Result<Vec<Building>, CityError> {
         let manifest = self.manifest();
         let footprints = FootprintDataset::read(
             &self.footprint_dataset_path(),
@@ -132,6 +128,12 @@ impl City {
             &manifest.height_rule,
             manifest.default_height_m,
         )?;
-        Ok(raise_footprints(footprints, ground).buildings)
+        let ground = GroundCache::new(
+            self.folder().to_owned(),
+            manifest.grid,
+            manifest.terrain_side,
+            manifest.terrain_step_m,
+        );
+        Ok(raise_on_tiles(footprints, &ground)?.buildings)
     }
 }

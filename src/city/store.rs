@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::codec::{self, ImageryTile, TerrainTile};
+use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
 use super::manifest::FORMAT;
 use super::update::Pending;
-use super::{CityError, Manifest, Tile};
-use crate::buildings::{BuildingMap, MapTile};
+use super::{CityError, ImageryTile, Manifest, Tile};
+use crate::buildings::BuildingMap;
 use crate::space::TileId;
-use crate::terrain::HeightTile;
 
 /// A city on disk.
 #[derive(Clone, Debug)]
@@ -23,8 +22,8 @@ pub struct City {
 
 /// Largest counts a manifest may ask a reader to allocate for.
 const MAX_TILE_SAMPLES: usize = 8192;
-/// Most texels along a tile's side: the guard on the steps of a walk (`MAX_STEPS` in `relief::constants`) stands on it.
-const MAX_TILE_TEXELS: usize = 2048;
+/// Fewest texels along a tile's side: a group of blocks.
+const MIN_TILE_TEXELS: usize = 16;
 
 impl City {
     /// Opens a folder by its `city.toml`.
@@ -43,7 +42,7 @@ impl City {
             toml::from_str(&text).map_err(|error| not_a_city(format!("city.toml: {error}")))?;
         if manifest.format != FORMAT {
             return Err(not_a_city(format!(
-                "its format is {}, this program reads {FORMAT}",
+                "its format is {}, this program reads {FORMAT}: import it again",
                 manifest.format
             )));
         }
@@ -53,7 +52,7 @@ impl City {
                 .iter()
                 .all(|&count| count <= MAX_TILE_SAMPLES)
             && manifest.terrain_side >= 2
-            && (2..=MAX_TILE_TEXELS).contains(&manifest.tile_texels)
+            && (MIN_TILE_TEXELS..=BuildingMap::MAX_SIDE).contains(&manifest.tile_texels)
             && grid.columns > 0
             && grid.rows > 0
             && [grid.west, grid.south].iter().all(|edge| edge.abs() < 1e9)
@@ -63,7 +62,9 @@ impl City {
                 < 1e-6
             && manifest.place.latitude_deg.is_finite()
             && manifest.place.longitude_deg.is_finite()
-            && u64::from(grid.columns) * u64::from(grid.rows) <= 1 << 26;
+            && grid.columns.max(grid.rows) <= 1 << 16
+            && u64::from(grid.columns) * u64::from(grid.rows) <= 1 << 26
+            && manifest.levels == grid.levels();
         if !sane {
             return Err(not_a_city("city.toml: its sizes are impossible".to_owned()));
         }
@@ -184,15 +185,24 @@ impl City {
 
     /// Ground of a tile, none where the city has none.
     pub fn terrain(&self, tile: TileId) -> Result<Option<TerrainTile>, CityError> {
+        let lattice = Lattice {
+            side: self.manifest.terrain_side,
+            step_m: self.manifest.terrain_step_m,
+            level: tile.level,
+        };
         self.existing(Layer::Terrain, tile)
-            .map(|path| codec::read_terrain(&path, self.manifest.terrain_side, self.manifest.terrain_step_m))
+            .map(|path| codec::read_terrain(&path, lattice))
             .transpose()
     }
 
     /// Building map of a tile, none where no building stands.
     pub fn buildings(&self, tile: TileId) -> Result<Option<BuildingMap>, CityError> {
-        let read =
-            |path: &Path| codec::read_buildings(path, self.manifest.tile_texels, self.manifest.texel_m);
+        let texels = TexelGrid {
+            side: self.manifest.tile_texels,
+            texel_m: self.manifest.texel_m,
+            level: tile.level,
+        };
+        let read = |path: &Path| codec::read_buildings(path, texels);
         let Some(path) = self.existing(Layer::Buildings, tile) else {
             return Ok(None);
         };
@@ -213,13 +223,13 @@ impl City {
             .transpose()
     }
 
-    /// Building map of a tile with its bounds, for a tile whose ground is known.
+    /// How far the terrain of every tile of a level departs from that of level 0, metres, row by row from the south; NaN without
+    /// terrain. Nothing on level 0, where it does not.
     ///
     /// # Errors
-    /// When its file is damaged.
-    pub fn map_tile(&self, tile: TileId, ground: Option<&HeightTile>) -> Result<Option<MapTile>, CityError> {
-        let lowest = ground.and_then(HeightTile::range).map(|[lowest, _]| lowest);
-        Ok(self.buildings(tile)?.map(|map| MapTile::new(map, lowest)))
+    /// When the file is missing or damaged.
+    pub fn terrain_errors(&self) -> Result<Vec<Vec<f32>>, CityError> {
+        codec::read_terrain_errors(&Layer::Terrain.errors_path(&self.folder), &self.manifest.grid)
     }
 
     /// All layers of a tile.

@@ -4,17 +4,18 @@ use std::borrow::Borrow;
 
 use glam::DVec2;
 
-use super::codec::{ImageryTile, TerrainTile};
+use super::ImageryTile;
+use super::codec::TerrainTile;
 use crate::buildings::{BuildingMap, MapTile};
 use crate::space::{TileGrid, TileId};
 use crate::terrain::{GroundBounds, HeightTile};
 
-/// All layers of one tile of level 0.
+/// All layers of one tile.
 #[derive(Clone, Debug)]
 pub struct Tile {
     /// Which.
     pub id: TileId,
-    /// Heights and the triangles that carry them; none where the city has no ground.
+    /// Heights and the meshes that carry them; none where the city has no ground.
     pub terrain: Option<TerrainTile>,
     /// Maxima of the ground.
     pub ground_bounds: Option<GroundBounds>,
@@ -22,8 +23,6 @@ pub struct Tile {
     pub buildings: Option<MapTile>,
     /// Orthophoto; none where there is none.
     pub imagery: Option<ImageryTile>,
-    /// Lowest ground or base and highest ground or roof, metres; empty (infinite) without either.
-    pub height_range: [f32; 2],
 }
 
 impl Tile {
@@ -35,11 +34,8 @@ impl Tile {
         imagery: Option<ImageryTile>,
     ) -> Self {
         let ground = terrain.as_ref().and_then(|terrain| terrain.ground.range());
-        let buildings = map.map(|map| MapTile::new(map, ground.map(|[lowest, _]| lowest)));
-        let [mut min, mut max] = ground.unwrap_or([f32::INFINITY, f32::NEG_INFINITY]);
-        if let Some(MapTile { pyramid, .. }) = &buildings {
-            (min, max) = (min.min(pyramid.min_height()), max.max(pyramid.max_height()));
-        }
+        let lowest = ground.map_or(f32::INFINITY, |[lowest, _]| lowest);
+        let buildings = map.map(|map| MapTile::new(map.over_ground(lowest)));
         let ground_bounds = terrain
             .as_ref()
             .map(|terrain| GroundBounds::from_heights(&terrain.ground));
@@ -49,7 +45,6 @@ impl Tile {
             ground_bounds,
             buildings,
             imagery,
-            height_range: [min, max],
         }
     }
 

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::codec::{self, ImageryTile, TerrainTile};
+use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::geotiff::GeoKeys;
 use super::layer::Layer;
-use super::{CityError, Tile};
+use super::{CityError, ImageryTile, Tile};
 use crate::space::{TileGrid, TileId};
 
 /// A folder, and what all its tiles have in common.
@@ -16,7 +16,7 @@ pub struct TileWriter<'a> {
     pub grid: TileGrid,
     /// Terrain samples along a tile's side.
     pub terrain_side: usize,
-    /// Distance between them, metres.
+    /// Distance between them on level 0, metres.
     pub terrain_step_m: f64,
     /// The CRS.
     pub keys: &'a GeoKeys,
@@ -30,12 +30,12 @@ impl TileWriter<'_> {
 
     /// Terrain that is there already; none where it is not or cannot be read, and is to be made again.
     pub fn terrain(&self, id: TileId) -> Option<TerrainTile> {
-        codec::read_terrain(
-            &self.path(Layer::Terrain, id),
-            self.terrain_side,
-            self.terrain_step_m,
-        )
-        .ok()
+        let lattice = Lattice {
+            side: self.terrain_side,
+            step_m: self.terrain_step_m,
+            level: id.level,
+        };
+        codec::read_terrain(&self.path(Layer::Terrain, id), lattice).ok()
     }
 
     /// An orthophoto of `side` pixels that is there already, as for [`Self::terrain`].
@@ -62,9 +62,15 @@ impl TileWriter<'_> {
         {
             let map = &buildings.map;
             let path = path(Layer::Buildings);
-            let known = codec::read_buildings(&path, map.side, f64::from(map.texel_m));
+            let level = tile.id.level;
+            let texels = TexelGrid {
+                side: map.side,
+                texel_m: f64::from(map.texel_m) / f64::from(1_u32 << level),
+                level,
+            };
+            let known = codec::read_buildings(&path, texels);
             if known.ok().as_ref() != Some(map) {
-                codec::write_buildings(&path, &bounds, map, self.keys)?;
+                codec::write_buildings(&path, (level, &bounds), map, self.keys)?;
             }
         }
         if let Some(imagery) = &tile.imagery

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::CommandError;
 use super::camera_flags::sun;
+use super::pool_flags::{PoolFlags, tell_warnings};
 use super::statistics::median;
 use super::values::size;
 use crate::buildings::Building;
@@ -39,6 +40,8 @@ pub struct BenchArgs {
     /// Frames a view; the median counts.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
+    #[command(flatten)]
+    pool: PoolFlags,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -70,7 +73,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
         None => default_views(&city, args.size)?,
     };
     let gpu = Gpu::open().map_err(RenderError::from)?;
-    let mut renderer = Renderer::open(gpu, &city, TerrainMesh::Tin)?;
+    let mut renderer = Renderer::open(gpu, &city, args.pool.options(TerrainMesh::Tin, false))?;
     let buildings = renderer.load_polygons(&city)?;
     let sun = sun(None, city.manifest().place)?;
     let mut rows = Vec::new();
@@ -79,7 +82,6 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
         let camera = Camera::pinhole(pose, view.fov.to_radians());
         let projection = camera.projection(args.size);
         let in_view = buildings_in_view(&buildings, &projection);
-        let reads = reads_per_ray(&renderer.resident.tiles, &projection);
         for mode in [ReliefMode::Exact, ReliefMode::Polygons] {
             let request = FrameRequest {
                 camera: &camera,
@@ -90,6 +92,8 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
                 exposure: 1.0,
             };
             let times = frame_times(&mut renderer, &request, args.frames)?;
+            let reads = reads_per_ray(&renderer.resident.tiles, &projection);
+            let is_exact = mode == ReliefMode::Exact;
             let pass = |name: &str| {
                 let of_pass = |(_, passes): &FrameTime| {
                     passes.iter().find(|(known, _)| *known == name).map(|(_, ms)| *ms)
@@ -99,16 +103,20 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
             rows.push(json!({
                 "view": view.name,
                 "buildings_in_view": in_view,
-                "relief": if mode == ReliefMode::Exact { "exact" } else { "polygons" },
+                "relief": if is_exact { "exact" } else { "polygons" },
                 "ground_ms": pass("ground"),
                 "buildings_ms": pass("buildings"),
                 "light_ms": pass("light"),
                 "passes_ms": median(times.iter().map(|(_, passes)| passes.iter().map(|(_, ms)| ms).sum())),
                 "wall_ms": median(times.iter().map(|(wall, _)| *wall)),
-                "reads_per_ray": (mode == ReliefMode::Exact).then_some(reads),
+                "reads_per_ray": is_exact.then_some(reads.mean),
+                "reads_per_ray_p99": is_exact.then_some(reads.p99),
+                "resident_bytes": renderer.resident.bytes(),
+                "resident_map_bytes": renderer.resident.map_bytes(),
             }));
         }
     }
+    tell_warnings(&mut renderer);
     let report = json!({
         "device": renderer.gpu.adapter_name,
         "size": args.size,
@@ -133,7 +141,7 @@ fn print_table(report: &Value) {
         report["resident_bytes"]
     );
     say!(
-        "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
+        "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6}",
         "view",
         "in view",
         "relief",
@@ -141,7 +149,8 @@ fn print_table(report: &Value) {
         "buildings ms",
         "light ms",
         "wall ms",
-        "reads per ray"
+        "reads per ray",
+        "(p99)"
     );
     for row in report["views"].as_array().into_iter().flatten() {
         let number = |key: &str| {
@@ -150,7 +159,7 @@ fn print_table(report: &Value) {
                 .map_or("-".to_owned(), |value| format!("{value:.1}"))
         };
         say!(
-            "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14}",
+            "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6}",
             row["view"].as_str().unwrap_or(""),
             row["buildings_in_view"].as_u64().unwrap_or_default(),
             row["relief"].as_str().unwrap_or(""),
@@ -158,7 +167,8 @@ fn print_table(report: &Value) {
             number("buildings_ms"),
             number("light_ms"),
             number("wall_ms"),
-            number("reads_per_ray")
+            number("reads_per_ray"),
+            number("reads_per_ray_p99")
         );
     }
 }
@@ -193,20 +203,30 @@ fn buildings_in_view(buildings: &[Building], projection: &Projection) -> usize {
     buildings.iter().filter(is_in_view).count()
 }
 
-fn reads_per_ray(tiles: &TileSet, projection: &Projection) -> f64 {
+/// Reads of the building map along rays of a view.
+struct ReadsPerRay {
+    mean: f64,
+    /// Of a hundred rays ninety-nine read no more.
+    p99: u32,
+}
+
+fn reads_per_ray(tiles: &TileSet, projection: &Projection) -> ReadsPerRay {
     const STRIDE: usize = 16;
     let eye = projection.pose.eye;
     let [width, height] = projection.size;
-    let (mut rays, mut reads) = (0_u64, 0_u64);
+    let mut reads = Vec::new();
     for row in (0..height).step_by(STRIDE) {
         for column in (0..width).step_by(STRIDE) {
             let direction = projection.ray_direction(column, row);
             let (_, count) = cast_buildings(tiles, eye, direction, f32::INFINITY);
-            rays += 1;
-            reads += u64::from(count);
+            reads.push(count);
         }
     }
-    reads as f64 / rays.max(1) as f64
+    reads.sort_unstable();
+    ReadsPerRay {
+        mean: reads.iter().map(|&count| f64::from(count)).sum::<f64>() / reads.len().max(1) as f64,
+        p99: reads.get(reads.len() * 99 / 100).copied().unwrap_or_default(),
+    }
 }
 
 fn read_path(path: &Path) -> Result<Vec<PathView>, CommandError> {

@@ -6,7 +6,9 @@ use glam::DVec3;
 
 use super::CommandError;
 use super::camera_flags::CameraFlags;
+use super::pool_flags::PoolFlags;
 use crate::city::City;
+use crate::scene::TerrainMesh;
 use crate::space::Pose;
 use crate::viewer::{Clock, ViewerOptions, run as run_viewer};
 
@@ -23,6 +25,8 @@ pub struct FlyArgs {
     look: Option<DVec3>,
     #[command(flatten)]
     camera: CameraFlags,
+    #[command(flatten)]
+    pool: PoolFlags,
     /// Window size, pixels.
     #[arg(long, default_value = "1280x720", value_parser = super::values::size)]
     size: [u32; 2],
@@ -66,6 +70,7 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
         flare: args.camera.flare(&camera)?,
         optics: camera.optics,
         city,
+        pool: args.pool.options(TerrainMesh::Tin, true),
         pose,
         clock,
         size: args.size,

@@ -1,11 +1,12 @@
 //! `rilievo info`: what a city holds.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
 use super::CommandError;
-use crate::city::City;
+use crate::city::{City, Layer};
 use crate::space::Crs;
 
 /// Flags of `info`.
@@ -26,6 +27,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
     let square_km = bounds.width() * bounds.height() * 1e-6;
     let per_building = |bytes: u64| bytes as f64 / manifest.buildings.max(1) as f64;
     let per_km2 = |bytes: u64| bytes as f64 / square_km;
+    let on_disk = Layer::ALL.map(|layer| (layer.name(), bytes_under(&args.city.join(layer.name()))));
     if args.json {
         let object = json!({
             "name": manifest.name,
@@ -36,6 +38,8 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
             "texel_m": manifest.texel_m,
             "terrain_step_m": manifest.terrain_step_m,
             "terrain_error_m": manifest.terrain_error_m,
+            "levels": manifest.levels,
+            "bytes_on_disk": on_disk.into_iter().collect::<BTreeMap<_, _>>(),
             "building_map_bytes": manifest.building_map_bytes,
             "building_map_bytes_per_km2": per_km2(manifest.building_map_bytes),
             "building_map_bytes_per_building": per_building(manifest.building_map_bytes),
@@ -87,6 +91,15 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
         manifest.terrain_error_m,
         manifest.grid_triangles
     );
+    let megabytes = |bytes: u64| format!("{:.2} MB", bytes as f64 * 1e-6);
+    say!(
+        "  on disk        {}, in {} levels",
+        on_disk
+            .map(|(name, bytes)| format!("{name} {}", megabytes(bytes)))
+            .join(", "),
+        manifest.levels
+    );
+    say!("  on the device");
     for (what, bytes) in [
         ("building map ", manifest.building_map_bytes),
         ("as triangles ", manifest.triangle_bytes),
@@ -99,4 +112,17 @@ pub fn run(args: &InfoArgs) -> Result<(), CommandError> {
         );
     }
     Ok(())
+}
+
+/// Bytes of all files under a folder.
+fn bytes_under(folder: &Path) -> u64 {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return 0;
+    };
+    let bytes = |entry: std::fs::DirEntry| match entry.metadata() {
+        Ok(data) if data.is_dir() => bytes_under(&entry.path()),
+        Ok(data) => data.len(),
+        Err(_) => 0,
+    };
+    entries.flatten().map(bytes).sum()
 }

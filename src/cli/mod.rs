@@ -20,6 +20,7 @@ mod fly;
 mod import;
 mod import_report;
 mod info;
+mod pool_flags;
 mod lens;
 mod lens_bake;
 mod lens_flags;

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::CommandError;
 use super::camera_flags::{CameraFlags, sun};
+use super::pool_flags::{PoolFlags, tell_warnings};
 use super::values::require_folder;
 use crate::city::City;
 use crate::gpu::Gpu;
@@ -27,6 +28,8 @@ pub struct RenderArgs {
     look: DVec3,
     #[command(flatten)]
     camera: CameraFlags,
+    #[command(flatten)]
+    pool: PoolFlags,
     /// Image size, pixels.
     #[arg(long, default_value = "1280x720", value_parser = super::values::size)]
     size: [u32; 2],
@@ -86,7 +89,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         TerrainMesh::Tin
     };
     let gpu = Gpu::open().map_err(RenderError::from)?;
-    let mut renderer = Renderer::open(gpu, &city, mesh)?;
+    let mut renderer = Renderer::open(gpu, &city, args.pool.options(mesh, false))?;
     if args.relief == ReliefMode::Polygons {
         renderer.load_polygons(&city)?;
     }
@@ -99,6 +102,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         exposure: args.exposure,
     };
     let still = renderer.still(&request, args.samples)?;
+    tell_warnings(&mut renderer);
     let image = match args.intermediate {
         Some(which) => renderer.debug_image(which)?,
         None => still.rgba,

@@ -30,6 +30,11 @@ impl<T> BySize<T> {
         &self.entries[0].1
     }
 
+    /// Forgets all values: what they were made from is gone.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+    }
+
     /// The value in use; none before the first size.
     pub fn current(&self) -> Option<&T> {
         self.entries.first().map(|(_, value)| value)

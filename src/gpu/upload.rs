@@ -80,6 +80,50 @@ impl<T: bytemuck::NoUninit> Uniform<T> {
     }
 }
 
+/// A 2D texture of four numbers a texel that is written whole, again and again.
+pub struct TableTexture {
+    texture: wgpu::Texture,
+    /// What shaders read.
+    pub view: wgpu::TextureView,
+}
+
+impl TableTexture {
+    /// An unwritten one.
+    pub fn new(gpu: &Gpu, label: &str, [width, height]: [u32; 2]) -> Self {
+        gpu.count_creation();
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Self { texture, view }
+    }
+
+    /// Writes all texels, row by row.
+    pub fn write(&self, gpu: &Gpu, texels: &[[u32; 4]]) {
+        gpu.queue.write_texture(
+            self.texture.as_image_copy(),
+            bytemuck::cast_slice(texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(self.texture.width() * size_of::<[u32; 4]>() as u32),
+                rows_per_image: Some(self.texture.height()),
+            },
+            self.texture.size(),
+        );
+    }
+}
+
 /// A 2D texture of one level filled from memory, to be read by shaders.
 pub fn filled_texture<T: bytemuck::NoUninit>(
     gpu: &Gpu,
@@ -109,80 +153,4 @@ pub fn filled_texture<T: bytemuck::NoUninit>(
         bytemuck::cast_slice(texels),
     );
     texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-/// A 2D array texture, one layer a tile.
-pub struct TextureArray {
-    texture: wgpu::Texture,
-    /// View of all layers and levels.
-    pub view: wgpu::TextureView,
-}
-
-impl TextureArray {
-    /// `layers` layers of `size` texels with `levels` mip levels.
-    pub fn new(
-        gpu: &Gpu,
-        label: &'static str,
-        format: wgpu::TextureFormat,
-        size: [u32; 2],
-        [levels, layers]: [u32; 2],
-    ) -> Result<Self, GpuError> {
-        let [width, height] = size;
-        let limits = gpu.device.limits();
-        gpu.require(
-            label,
-            u64::from(width.max(height)),
-            u64::from(limits.max_texture_dimension_2d),
-        )?;
-        gpu.require(
-            label,
-            u64::from(layers),
-            u64::from(limits.max_texture_array_layers),
-        )?;
-        gpu.count_creation();
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: layers.max(1),
-            },
-            mip_level_count: levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        Ok(Self { texture, view })
-    }
-
-    /// Writes one mip level of one layer.
-    pub fn write<T: bytemuck::NoUninit>(&self, gpu: &Gpu, layer: u32, level: u32, texels: &[T]) {
-        let width = (self.texture.width() >> level).max(1);
-        let height = (self.texture.height() >> level).max(1);
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &self.texture,
-                mip_level: level,
-                origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-                aspect: wgpu::TextureAspect::All,
-            },
-            bytemuck::cast_slice(texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(size_of_val(texels) as u32 / height),
-                rows_per_image: Some(height),
-            },
-            wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-        );
-    }
 }

@@ -4,7 +4,8 @@
 //! every sample:  ground ─▶ buildings (cone, exact | polygons) ─▶ light ─▶ accumulate ─┐
 //! then:                                             flare (sun through the lens) ─────┴▶ tone map ─▶ image
 //! ```
-//! A frame is a sample and the image of all samples so far. It reads nothing back and allocates nothing on the device.
+//! Before them the tile pool takes what the view wants. A frame is a sample and the image of all samples so far. It reads nothing
+//! back and allocates nothing on the device, unless tiles come.
 
 use glam::DVec2;
 
@@ -67,6 +68,9 @@ impl Renderer {
         band: Band,
     ) -> Result<(), RenderError> {
         self.resize(request.size);
+        if band.is_first() {
+            self.prepare(request)?;
+        }
         if band.is_last() {
             self.prepare_flare(request)?;
         }
@@ -83,6 +87,7 @@ impl Renderer {
     /// Adds a sample without making an image of it.
     pub(super) fn add_sample(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
         self.resize(request.size);
+        self.prepare(request)?;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.encode_sample(&mut encoder, request, sample, Band::WHOLE);
         self.gpu.queue.submit([encoder.finish()]);

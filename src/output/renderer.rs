@@ -1,18 +1,18 @@
 //! A city made ready to be drawn, for as long as it is open: device, resident tiles, pipelines, targets and caches. A frame of
 //! a size already drawn makes no resource of the device.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
-use super::RenderError;
 use super::debug_view::DebugView;
 use super::flare_pass::FlarePass;
 use super::frame::PASSES;
+use super::{FrameRequest, RenderError};
 use crate::buildings::Building;
 use crate::camera::{AccumulatePass, ToneMapPass};
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
 use crate::relief::{ReliefPass, ReliefTargets, building_mesh};
-use crate::scene::{Resident, TerrainMesh};
+use crate::scene::{PoolOptions, Resident};
 
 /// Everything that lives as long as a city is drawn.
 pub struct Renderer {
@@ -27,23 +27,19 @@ pub struct Renderer {
     pub(super) debug_view: DebugView,
     pub(super) timer: PassTimer,
     size: [u32; 2],
+    /// Pixels of the image that tiles are chosen for; those of a frame unless said otherwise.
+    pub detail_size: Option<[u32; 2]>,
+    /// What of the resident tiles the relief is bound to.
+    bindings: u64,
 }
 
 impl Renderer {
-    /// Loads a city onto a device: as it is on disk when its last tile is read, should an update come in between.
+    /// Opens a city on a device. Its tiles come when frames want them.
     ///
     /// # Errors
-    /// When a tile is damaged, or the device cannot hold the city.
-    pub fn open(gpu: Gpu, city: &City, mesh: TerrainMesh) -> Result<Self, RenderError> {
-        let loaded = Resident::load(&gpu, city, mesh);
-        let resident = match (loaded, city.updated()?) {
-            (loaded, None) => loaded?,
-            (Ok(mut resident), Some(newer)) => {
-                resident.take_buildings(&gpu, &newer)?;
-                resident
-            }
-            (Err(_), Some(newer)) => Resident::load(&gpu, &newer, mesh)?,
-        };
+    /// When the coarsest tile is damaged, or the device cannot hold it.
+    pub fn open(gpu: Gpu, city: &City, options: impl Into<PoolOptions>) -> Result<Self, RenderError> {
+        let resident = Resident::open(&gpu, city, options.into())?;
         let renderer = Self {
             relief: ReliefPass::new(&gpu, &resident),
             accumulate: AccumulatePass::new(&gpu),
@@ -52,6 +48,8 @@ impl Renderer {
             debug_view: DebugView::new(&gpu),
             timer: PassTimer::new(&gpu, &PASSES),
             size: [0; 2],
+            detail_size: None,
+            bindings: resident.bindings_version(),
             gpu,
             resident,
         };
@@ -66,9 +64,36 @@ impl Renderer {
     /// # Errors
     /// When a tile is damaged, or the device cannot hold the city.
     pub fn follow(&mut self, city: &City) -> Result<usize, RenderError> {
-        let changed = self.resident.take_buildings(&self.gpu, city)?;
-        self.relief.bind_city(&self.gpu, &self.resident);
-        Ok(changed)
+        Ok(self.resident.take_buildings(&self.gpu, city)?)
+    }
+
+    /// Makes the tiles of a view resident: all of them, or where frames do not wait what has come in.
+    ///
+    /// # Errors
+    /// When the device fails, or the city became another one.
+    pub fn prepare(&mut self, request: &FrameRequest<'_>) -> Result<(), RenderError> {
+        let size = self.detail_size.unwrap_or(request.size);
+        let projection = request.camera.projection(size);
+        self.resident.prepare(&self.gpu, &projection, request.sun)?;
+        self.bind_resident();
+        Ok(())
+    }
+
+    /// Makes all tiles of the finest level resident, whatever the budget: for rays that go anywhere.
+    ///
+    /// # Errors
+    /// When the device cannot hold them.
+    pub fn load_finest(&mut self) -> Result<(), RenderError> {
+        self.resident.load_finest(&self.gpu)?;
+        self.bind_resident();
+        Ok(())
+    }
+
+    fn bind_resident(&mut self) {
+        if self.bindings != self.resident.bindings_version() {
+            self.bindings = self.resident.bindings_version();
+            self.relief.bind_city(&self.gpu, &self.resident);
+        }
     }
 
     /// Loads the mesh for `ReliefMode::Polygons` beside the building map; gives the buildings that it shows.
@@ -76,8 +101,7 @@ impl Renderer {
     /// # Errors
     /// When the footprint dataset cannot be read, or the device cannot hold the mesh.
     pub fn load_polygons(&mut self, city: &City) -> Result<Vec<Building>, RenderError> {
-        let tiles = &self.resident.tiles;
-        let buildings = city.raised_buildings(|x, y| tiles.ground_at(DVec2::new(x, y)))?;
+        let buildings = city.raised_buildings()?;
         let centre = city.manifest().grid.bounds().centre();
         let origin = DVec3::new(centre.x, centre.y, 0.0);
         self.relief

@@ -1,6 +1,6 @@
 //! Group 1 of the relief's shaders: the resident city (`shaders/lib/building_map.wgsl`, `shaders/lib/terrain.wgsl`).
 
-use wgpu::TextureSampleType::{Sint, Uint};
+use wgpu::TextureSampleType::Uint;
 
 use crate::gpu::{FLOAT, Gpu, RECORDS, texture, texture_array};
 use crate::scene::Resident;
@@ -15,14 +15,11 @@ pub struct CityBindings {
 
 impl CityBindings {
     /// What the shaders declare, in order.
-    pub const TYPES: [wgpu::BindingType; 10] = [
-        texture(Sint),
+    pub const TYPES: [wgpu::BindingType; 7] = [
+        texture(Uint),
         RECORDS,
-        texture_array(Uint),
-        texture_array(Uint),
-        RECORDS,
-        RECORDS,
-        RECORDS,
+        texture(Uint),
+        texture(Uint),
         RECORDS,
         texture_array(FLOAT),
         texture_array(FLOAT),
@@ -44,18 +41,15 @@ impl CityBindings {
 
     fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, resident: &Resident) -> wgpu::BindGroup {
         use wgpu::BindingResource::TextureView;
-        let (maps, ground) = (&resident.maps, &resident.ground);
+        let (maps, terrain) = (&resident.maps, &resident.terrain);
         let resources = [
-            TextureView(&resident.tile_table),
-            maps.slots.as_entire_binding(),
-            TextureView(&maps.cells.view),
-            TextureView(&maps.pyramid.view),
-            maps.vertices.as_entire_binding(),
-            maps.lists.as_entire_binding(),
-            maps.along_outline.as_entire_binding(),
-            ground.records.as_entire_binding(),
-            TextureView(&ground.heights.view),
-            TextureView(&ground.bounds.view),
+            TextureView(&resident.tile_table.view),
+            maps.slots.buffer.as_entire_binding(),
+            TextureView(&maps.words.view),
+            TextureView(&maps.quads.view),
+            terrain.records.buffer.as_entire_binding(),
+            TextureView(&terrain.heights.view),
+            TextureView(&terrain.bounds.view),
         ];
         gpu.group("city", layout, &resources)
     }

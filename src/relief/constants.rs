@@ -1,7 +1,8 @@
 //! What the relief's shaders share with Rust: the prelude of every one of them.
 
-use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS};
+use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
+use crate::scene::{POOL_QUADS, POOL_WORDS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
 use crate::terrain::GroundBounds;
 
 /// Metres along a ray that meets nothing.
@@ -29,6 +30,12 @@ pub const CONSTANTS: &[Constant] = &[
     ("EDGES_SHIFT", ConstantValue::Uint(CELL.edges_shift)),
     ("EDGES_MASK", ConstantValue::Uint(CELL.edges_mask)),
     ("INDEX_MASK", ConstantValue::Uint(CELL.index_mask)),
+    ("TEXEL_MAIN", ConstantValue::Uint(TEXEL_MAIN)),
+    ("POOL_WORDS", ConstantValue::Uint(POOL_WORDS)),
+    ("POOL_QUADS", ConstantValue::Uint(POOL_QUADS)),
+    ("TABLE_LEVEL_SHIFT", ConstantValue::Uint(TABLE_LEVEL_SHIFT)),
+    ("SKIRT_BIT", ConstantValue::Uint(SKIRT_BIT)),
+    ("SKIRT_M", ConstantValue::Float(SKIRT_M)),
     ("GROUND_BLOCKS", ConstantValue::Int(GroundBounds::BLOCKS as i32)),
     ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
 ];

@@ -35,9 +35,9 @@ pub struct FrameUniforms {
     pub sample: u32,
     pub pixel_angle: f32,
     pub imagery_side: f32,
-    pub pyramid_width: u32,
+    pub pyramid_nodes: u32,
     pub max_ground: f32,
-    pub padding: u32,
+    pub mesh_parts: u32,
 }
 
 impl FrameUniforms {
@@ -64,16 +64,16 @@ impl FrameUniforms {
             jitter: projection.jitter.as_vec2().to_array(),
             texel_m: resident.texel_m as f32,
             tile_texels_log2: resident.tile_texels.ilog2(),
-            max_roof: resident.tiles.max_roof - eye.elevation,
-            min_ground: resident.tiles.min_ground - eye.elevation,
+            max_roof: resident.tiles.bounds.max_roof - eye.elevation,
+            min_ground: resident.tiles.bounds.min_ground - eye.elevation,
             terrain_step_m: resident.terrain_step_m as f32,
             terrain_side: resident.terrain_side,
             sample,
             pixel_angle: (2.0 * tan.y / f64::from(projection.size[1])) as f32,
             imagery_side: resident.imagery.side as f32,
-            pyramid_width: Pyramid::image_size(resident.tile_texels as usize)[0] as u32,
-            max_ground: resident.tiles.max_ground - eye.elevation,
-            padding: 0,
+            pyramid_nodes: Pyramid::node_count(resident.tile_texels as usize) as u32,
+            max_ground: resident.tiles.bounds.max_ground - eye.elevation,
+            mesh_parts: resident.mesh_parts,
         }
     }
 }

@@ -27,6 +27,11 @@ impl GridPosition {
         }
     }
 
+    /// The tile under a point, metres from here.
+    pub fn tile_at(&self, grid: &TileGrid, plan: Vec2) -> IVec2 {
+        self.tile + ((self.in_tile + plan) / grid.tile_m as f32).floor().as_ivec2()
+    }
+
     /// South-west corner of a tile, metres from here.
     pub fn tile_corner(&self, grid: &TileGrid, tile: IVec2) -> Vec2 {
         (tile - self.tile).as_vec2() * grid.tile_m as f32 - self.in_tile

@@ -5,7 +5,7 @@ use glam::{IVec2, Vec2, Vec3Swizzles};
 
 use super::GridPosition;
 use super::constants::MAX_STEPS;
-use super::march::{LocalRay, Ray, across_grid, lead, slack, step};
+use super::march::{LocalRay, Ray, across_grid, lead, slack, tile_over, tile_past};
 use crate::scene::{GroundTile, TileSet};
 use crate::terrain::GroundBounds;
 
@@ -141,29 +141,29 @@ fn walk_ground_tile(ground: &GroundTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2
 /// First meeting with the ground of any tile between `t0` and `t1`, metres along a ray whose start counts from `eye`.
 pub fn walk_ground(tiles: &TileSet, eye: &GridPosition, ray: &Ray, [t0, t1]: [f32; 2]) -> Option<f32> {
     let grid = &tiles.grid;
-    let tile_m = grid.tile_m as f32;
-    let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
-    let (step, lead) = (step(forward), lead(forward));
+    let lead = lead([ray.direction.x >= 0.0, ray.direction.y >= 0.0]);
     let [t_in, t_out] = across_grid(tiles, eye, ray);
     let (mut t, mut end) = (t0.max(t_in), t1.min(t_out));
     // A rising ray has passed all ground at the height of the highest.
-    let t_top = (tiles.max_ground - eye.elevation - ray.start.z) / ray.direction.z;
+    let t_top = (tiles.bounds.max_ground - eye.elevation - ray.start.z) / ray.direction.z;
     if ray.direction.z > 0.0 {
         end = end.min(t_top);
     } else {
         t = t.max(t_top);
     }
-    let position = eye.in_tile + ray.start.xy() + t * ray.direction.xy();
-    let mut tile = eye.tile + (position / tile_m).floor().as_ivec2();
+    let mut tile = eye.tile_at(grid, ray.start.xy() + t * ray.direction.xy());
     for _ in 0..MAX_STEPS {
         if t >= end {
             break;
         }
-        let corner = eye.tile_corner(grid, tile);
+        let (level, ground) = tiles.ground_over(tile);
+        let first = tile_over(tile, level);
+        let corner = eye.tile_corner(grid, first);
+        let tile_m = grid.tile_m as f32 * (1_u32 << level) as f32;
         let t_border = (corner + lead * tile_m - ray.start.xy()) * ray.inverse;
         let t_past = t_border.min_element().min(end);
         if t_past > t
-            && let Some(ground) = tiles.at(tile).and_then(|tile| tile.ground.as_ref())
+            && let Some(ground) = ground
         {
             let local = LocalRay {
                 ray,
@@ -176,8 +176,8 @@ pub fn walk_ground(tiles: &TileSet, eye: &GridPosition, ray: &Ray, [t0, t1]: [f3
             }
         }
         t = t.max(t_past);
-        let axis = usize::from(t_border.x > t_border.y);
-        tile[axis] += step[axis];
+        let position = eye.tile_at(grid, ray.start.xy() + t * ray.direction.xy());
+        tile = tile_past(first, level, position, ray, t_border);
     }
     None
 }

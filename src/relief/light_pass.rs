@@ -9,7 +9,7 @@ use crate::gpu::{
     BySize, FILTERED, FLOAT, Gpu, PipelineParameters, SAMPLER, color_target, shader_module, texture,
     texture_array,
 };
-use crate::scene::ImageryTiles;
+use crate::scene::ImageryPool;
 
 /// The pipeline.
 pub struct LightPass {
@@ -50,17 +50,22 @@ impl LightPass {
     }
 
     /// Binds the targets of a new size.
-    pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets, imagery: &ImageryTiles) {
+    pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets, imagery: &ImageryPool) {
         let resources = [
             targets.ground_distance.binding(),
             targets.ground_normal.binding(),
             targets.building_surface.binding(),
-            wgpu::BindingResource::TextureView(&imagery.array.view),
+            wgpu::BindingResource::TextureView(&imagery.layers.view),
             wgpu::BindingResource::Sampler(&self.sampler),
         ];
         let layout = &self.input_layout;
         self.input
             .select(targets.size, || gpu.group("shade input", layout, &resources));
+    }
+
+    /// Forgets what is bound to imagery that was made anew.
+    pub fn unbind(&mut self) {
+        self.input.clear();
     }
 
     /// Encodes the pass.

@@ -5,7 +5,7 @@ use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
 
 use super::GridPosition;
 use super::constants::{MAX_STEPS, SLACK};
-use crate::buildings::{BuildingMap, CellKind, MapTile, Pyramid};
+use crate::buildings::{Block, BuildingMap, CellKind, MapTile, Pyramid};
 use crate::scene::TileSet;
 
 /// A ray from an eye-relative start.
@@ -79,11 +79,12 @@ pub(super) fn slack(t: f32) -> f32 {
     SLACK[0] + SLACK[1] * t
 }
 
-/// First hit with the roofs and walls of one texel, between `t0` and `t1`.
+/// First hit with the roofs and walls of one texel, between `t0` and `t1`. `reference`: the texel's point where its outline's parity
+/// is known.
 fn visit_cell(
     map: &BuildingMap,
     code: u32,
-    cell: IVec2,
+    reference: Vec2,
     local: &LocalRay<'_>,
     [t0, t1]: [f32; 2],
 ) -> Option<Hit> {
@@ -96,7 +97,6 @@ fn visit_cell(
     let best_t = |best: &Option<Hit>| best.map_or(f32::INFINITY, |hit| hit.t);
     let from_t = t0 - slack(t0);
     let to_t = t1 + slack(t1);
-    let reference = (cell.as_vec2() + Vec2::from_array(BuildingMap::REFERENCE)) * map.texel_m;
     let single = [code];
     let codes = match CellKind::from_code(code) {
         CellKind::List(_) => map.codes(code),
@@ -114,9 +114,12 @@ fn visit_cell(
             ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best_t(&best);
         // A ray that stays above the roof can meet none of its walls.
         let dips = ray.start.z + (from_t * ray.direction.z).min(to_t * ray.direction.z) <= roof;
-        let mut inside = true;
+        let mut inside = match CellKind::from_code(code) {
+            CellKind::Full(full) => full.is_shown(),
+            CellKind::Run(run) => run.inside,
+            _ => false,
+        };
         if let CellKind::Run(mut run) = CellKind::from_code(code) {
-            inside = run.inside;
             let p = start + t_roof * ray.direction.xy();
             let to_p = p - reference;
             loop {
@@ -181,6 +184,51 @@ fn visit_cell(
     best
 }
 
+/// First hit with a column, the texel of a coarse level, between `t0` and `t1`. `corner`, `size`: its plan.
+fn visit_column(
+    map: &BuildingMap,
+    code: u32,
+    [corner, size]: [Vec2; 2],
+    local: &LocalRay<'_>,
+    [t0, t1]: [f32; 2],
+) -> Option<Hit> {
+    let LocalRay {
+        ray,
+        start,
+        eye_elevation,
+    } = *local;
+    let CellKind::Full(full) = CellKind::from_code(code) else {
+        return None;
+    };
+    let record = map
+        .roofs
+        .get(full.building as usize)
+        .filter(|_| full.is_shown())?;
+    let roof = record.roof_m - eye_elevation;
+    let hit = |t: f32, wall_normal: Option<Vec2>| Hit {
+        t,
+        building: full.building,
+        edge: None,
+        along_m: 0.0,
+        fid: record.fid,
+        wall_normal,
+    };
+    if ray.start.z + t0 * ray.direction.z <= roof {
+        // The side that the ray came in by.
+        let sign = ray.direction.xy().signum();
+        let past = (start + t0 * ray.direction.xy() - corner) * sign;
+        let deep = Vec2::select(sign.cmplt(Vec2::ZERO), past + size, past);
+        let normal = if deep.x < deep.y {
+            Vec2::new(-sign.x, 0.0)
+        } else {
+            Vec2::new(0.0, -sign.y)
+        };
+        return Some(hit(t0, Some(normal)));
+    }
+    let t_roof = (roof - ray.start.z) / ray.direction.z;
+    (ray.direction.z < 0.0 && t_roof <= t1 + slack(t1)).then(|| hit(t_roof, None))
+}
+
 /// 1 along the axes on which the ray goes forward.
 pub(super) fn lead(forward: [bool; 2]) -> Vec2 {
     Vec2::new(f32::from(u8::from(forward[0])), f32::from(u8::from(forward[1])))
@@ -191,24 +239,32 @@ pub(super) fn step(forward: [bool; 2]) -> IVec2 {
     IVec2::new(if forward[0] { 1 } else { -1 }, if forward[1] { 1 } else { -1 })
 }
 
-/// First hit within one tile between `t0` and `t1`. Also counts the map's reads into `reads`.
-fn walk_tile(tile: &MapTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2], reads: &mut u32) -> Option<Hit> {
+/// First hit within one tile of a level between `t0` and `t1`. Also counts the map's reads into `reads`.
+fn walk_tile(
+    tile: &MapTile,
+    level: u32,
+    local: &LocalRay<'_>,
+    [t0, t1]: [f32; 2],
+    reads: &mut u32,
+) -> Option<Hit> {
     let LocalRay {
         ray,
         start,
         eye_elevation,
     } = *local;
-    let map = &tile.map;
+    let (map, is_exact) = (&tile.map, level == 0);
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
     let (step, lead) = (step(forward), lead(forward));
     // Begin with nodes about as large as the way to go: a short way need not come down from the tile's top.
     let texels = ray.direction.xy().length() * (t1 - t0) / map.texel_m;
     let top = Pyramid::top_level(map.side);
-    let mut level = ((0.5 * texels.max(1.0).log2()).ceil() - 1.0).clamp(0.0, top as f32) as u32;
+    let mut level = ((0.5 * texels.max(1.0).log2()).ceil() - 1.0).clamp(1.0, top as f32) as u32;
     let place = (start + t0 * ray.direction.xy()) / map.texel_m;
     let most = IVec2::splat(map.side as i32 - 1);
     let mut node = place.floor().as_ivec2().clamp(IVec2::ZERO, most) >> (2 * level + 2);
     let mut t = t0;
+    // On level 0 the node is a block.
+    let (mut block, mut block_bound) = (Block::Empty, f32::NEG_INFINITY);
     for _ in 0..MAX_STEPS {
         let size = map.texel_m * (1_u32 << (2 * level)) as f32;
         *reads += 1;
@@ -217,12 +273,18 @@ fn walk_tile(tile: &MapTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2], reads: &m
         let mut child = place.floor().as_ivec2().clamp(4 * node, 4 * node + 3);
         let mut t_border = ((child.as_vec2() + lead) * size - start) * ray.inverse;
         let t_step = size * ray.inverse.abs();
+        let texel = |child: IVec2| ((child.y & 3) * 4 + (child.x & 3)) as usize;
+        // The texels of a block count as high as the block.
+        let bound_of = |child: IVec2, block: Block| match level {
+            0 if map.code_in(block, texel(child)) == 0 => f32::NEG_INFINITY,
+            0 => block_bound,
+            _ => tile.pyramid.bound(level, child.x as usize, child.y as usize),
+        };
         // Past the node's children, at most seven, to the first that the ray dips into.
         let dips = loop {
             let t_past = t_border.min_element().min(t1);
             let lowest = ray.start.z + (t * ray.direction.z).min(t_past * ray.direction.z);
-            let bound = tile.pyramid.bound(level, child.x as usize, child.y as usize) - eye_elevation;
-            if t_past > t && lowest <= bound + rounding {
+            if t_past > t && lowest <= bound_of(child, block) - eye_elevation + rounding {
                 break Some(t_past);
             }
             t = t.max(t_past);
@@ -233,11 +295,23 @@ fn walk_tile(tile: &MapTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2], reads: &m
                 break None;
             }
         };
+        if let (Some(_), 1) = (dips, level) {
+            block = map.block(child.x as usize, child.y as usize);
+            block_bound = tile.pyramid.bound(1, child.x as usize, child.y as usize);
+            *reads += 2;
+        }
+        let found = level == 0 || (level == 1 && matches!(block, Block::Uniform(_)));
         match dips {
-            Some(t_past) if level == 0 => {
-                let code = map.cells[child.y as usize * map.side + child.x as usize];
+            Some(t_past) if found => {
+                let code = map.code_in(block, if level == 0 { texel(child) } else { 0 });
                 *reads += 1;
-                let hit = visit_cell(map, code, child, local, [t, t_past]);
+                let corner = child.as_vec2();
+                let hit = if is_exact {
+                    let reference = (corner + Vec2::from_array(BuildingMap::REFERENCE)) * map.texel_m;
+                    visit_cell(map, code, reference, local, [t, t_past])
+                } else {
+                    visit_column(map, code, [corner * size, Vec2::splat(size)], local, [t, t_past])
+                };
                 if hit.is_some() {
                     return hit;
                 }
@@ -248,13 +322,13 @@ fn walk_tile(tile: &MapTile, local: &LocalRay<'_>, [t0, t1]: [f32; 2], reads: &m
                 node = child;
             }
             None => {
-                let children = IVec2::splat((map.side >> (2 * level)) as i32);
+                let children = IVec2::splat((map.side >> (2 * level)).max(1) as i32);
                 if t >= t1 || child.cmplt(IVec2::ZERO).any() || child.cmpge(children).any() {
                     break;
                 }
-                // Over to the next node, and up when that has another parent.
+                // Over to the next node, and up when that has another parent, or out of a block.
                 let next = child >> 2;
-                if level < top && (next >> 2) != (node >> 2) {
+                if level == 0 || (level < top && (next >> 2) != (node >> 2)) {
                     level += 1;
                     node = next >> 2;
                 } else {
@@ -275,13 +349,12 @@ pub fn walk_city(
     reads: &mut u32,
 ) -> Option<Hit> {
     let grid = &tiles.grid;
-    let tile_m = grid.tile_m as f32;
     let forward = [ray.direction.x >= 0.0, ray.direction.y >= 0.0];
-    let (step, lead) = (step(forward), lead(forward));
+    let lead = lead(forward);
     let counts = IVec2::new(grid.columns as i32, grid.rows as i32);
     // Only the path through the city's volume: over its tiles and below its highest roof.
     let [t_in, t_past] = across_grid(tiles, eye, ray);
-    let t_roofs = (tiles.max_roof - eye.elevation - ray.start.z) / ray.direction.z;
+    let t_roofs = (tiles.bounds.max_roof - eye.elevation - ray.start.z) / ray.direction.z;
     let mut t = t0.max(t_in);
     let mut end = t1.min(t_past);
     if ray.direction.z > 0.0 {
@@ -289,16 +362,18 @@ pub fn walk_city(
     } else if ray.direction.z < 0.0 {
         t = t.max(t_roofs);
     }
-    let position = eye.in_tile + ray.start.xy() + t * ray.direction.xy();
-    let mut tile = eye.tile + (position / tile_m).floor().as_ivec2();
+    let mut tile = eye.tile_at(grid, ray.start.xy() + t * ray.direction.xy());
     for _ in 0..MAX_STEPS {
         if t >= end {
             break;
         }
-        let corner = eye.tile_corner(grid, tile);
+        let (level, map) = tiles.map_over(tile);
+        let first = tile_over(tile, level);
+        let corner = eye.tile_corner(grid, first);
+        let tile_m = grid.tile_m as f32 * (1_u32 << level) as f32;
         let t_border = (corner + lead * tile_m - ray.start.xy()) * ray.inverse;
         let t_out = t_border.min_element().min(end);
-        if let Some(map) = tiles.at(tile).and_then(|tile| tile.buildings.as_ref()) {
+        if let Some(map) = map {
             *reads += 1;
             // Of the path through the tile only what lies between its lowest ground and its highest roof.
             let t_low = (map.pyramid.min_height() - eye.elevation - ray.start.z) / ray.direction.z;
@@ -312,15 +387,15 @@ pub fn walk_city(
                     start: ray.start.xy() - corner,
                     eye_elevation: eye.elevation,
                 };
-                let hit = walk_tile(map, &local, [from_t, to_t], reads);
+                let hit = walk_tile(map, level, &local, [from_t, to_t], reads);
                 if let Some(hit) = hit.filter(|hit| hit.t <= end) {
                     return Some(hit);
                 }
             }
         }
         t = t.max(t_out);
-        let axis = usize::from(t_border.x > t_border.y);
-        tile[axis] += step[axis];
+        let position = eye.tile_at(grid, ray.start.xy() + t * ray.direction.xy());
+        tile = tile_past(first, level, position, ray, t_border);
         let gone = |axis: usize| {
             if forward[axis] {
                 tile[axis] >= counts[axis]
@@ -333,6 +408,25 @@ pub fn walk_city(
         }
     }
     None
+}
+
+/// The tile of a level over a tile of the grid, by its south-western one.
+pub(super) fn tile_over(tile: IVec2, level: u32) -> IVec2 {
+    (tile >> level) << level
+}
+
+/// The tile of the grid that a ray comes into as it leaves the tile of a level over `first`. `position`: the tile of the grid where
+/// that is, `t_border`: how far the borders ahead are.
+pub(super) fn tile_past(first: IVec2, level: u32, position: IVec2, ray: &Ray, t_border: Vec2) -> IVec2 {
+    let last = first + (1 << level) - 1;
+    let axis = usize::from(t_border.x > t_border.y);
+    let mut tile = position.clamp(first, last);
+    tile[axis] = if ray.direction[axis] >= 0.0 {
+        last[axis] + 1
+    } else {
+        first[axis] - 1
+    };
+    tile
 }
 
 /// Where the ray comes over the grid and where it leaves it, metres along it.

@@ -76,9 +76,13 @@ impl ReliefPass {
         }
     }
 
-    /// Binds the resident city again, as its building maps were made anew.
+    /// Binds the resident city again, as parts of it were made anew.
     pub fn bind_city(&mut self, gpu: &Gpu, resident: &Resident) {
         self.city.bind(gpu, resident);
+        self.shade.unbind();
+        if let Some(targets) = self.targets.current() {
+            self.shade.bind(gpu, targets, &resident.imagery);
+        }
     }
 
     /// Uploads the mesh that [`ReliefMode::Polygons`] draws.

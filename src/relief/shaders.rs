@@ -9,6 +9,7 @@ pub const GROUND: ShaderSource = ShaderSource {
     constants: CONSTANTS,
     files: &[
         shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
         shader_file!("lib/terrain.wgsl"),
         shader_file!("relief/ground.wgsl"),
@@ -21,6 +22,7 @@ pub const CONE: ShaderSource = ShaderSource {
     constants: CONSTANTS,
     files: &[
         shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
         shader_file!("fullscreen.wgsl"),
         shader_file!("relief/cone.wgsl"),
@@ -33,6 +35,7 @@ pub const EXACT: ShaderSource = ShaderSource {
     constants: CONSTANTS,
     files: &[
         shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
         shader_file!("lib/march.wgsl"),
         shader_file!("relief/exact.wgsl"),
@@ -55,6 +58,7 @@ pub const LIGHT: ShaderSource = ShaderSource {
     constants: CONSTANTS,
     files: &[
         shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
         shader_file!("lib/terrain.wgsl"),
         shader_file!("lib/march.wgsl"),

@@ -7,13 +7,7 @@ use crate::space::{TileGrid, TileId};
 /// Indices of `tiles`, the nearest first. Disjoint columns of one grid never hide each other in a cycle, so this order
 /// is also the order along every ray.
 pub fn nearest_first(grid: &TileGrid, tiles: &[TileId], eye: DVec2) -> Vec<usize> {
-    let distance = |tile: TileId| {
-        let bounds = grid.tile_bounds(tile);
-        let outside = |value: f64, low: f64, high: f64| (low - value).max(value - high).max(0.0);
-        let dx = outside(eye.x, bounds.west, bounds.east);
-        let dy = outside(eye.y, bounds.south, bounds.north);
-        dx.hypot(dy)
-    };
+    let distance = |tile: TileId| grid.tile_bounds(tile).distance_to(eye);
     let mut order: Vec<(f64, usize)> = tiles
         .iter()
         .enumerate()

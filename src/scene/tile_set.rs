@@ -2,9 +2,10 @@
 
 use glam::{DVec2, IVec2};
 
+use super::tile_table::{TileTable, level_and_slot};
+use super::{MAPS, TERRAIN};
 use crate::buildings::MapTile;
-use crate::city::ground_at;
-use crate::space::{TileGrid, TileId};
+use crate::space::TileGrid;
 use crate::terrain::{GroundBounds, HeightTile};
 
 /// The ground of a tile as rays walk it.
@@ -16,107 +17,100 @@ pub struct GroundTile {
     pub bounds: GroundBounds,
 }
 
-/// A tile as rays walk it.
-#[derive(Clone, Debug, Default)]
-pub struct WalkTile {
-    /// Its ground.
-    pub ground: Option<GroundTile>,
-    /// Its building map.
-    pub buildings: Option<MapTile>,
-}
-
-/// The resident tiles of a city.
+/// The resident tiles of a city, by their slots.
 #[derive(Clone, Debug)]
 pub struct TileSet {
     /// The tile grid.
     pub grid: TileGrid,
-    /// Row by row from the south-west.
-    tiles: Vec<WalkTile>,
-    /// Highest roof, metres; negative infinity without buildings.
+    /// Which tile stands for which.
+    pub table: TileTable,
+    maps: Vec<Option<MapTile>>,
+    grounds: Vec<Option<GroundTile>>,
+    /// Bounds of the whole city, metres.
+    pub bounds: CityBounds,
+}
+
+/// Heights that no tile of the city goes beyond, metres; infinite without any.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CityBounds {
+    /// Highest roof.
     pub max_roof: f32,
-    /// Lowest ground of the tiles with buildings, metres; infinity without buildings.
+    /// Lowest ground under buildings.
     pub min_ground: f32,
-    /// Highest ground, metres; negative infinity without ground.
+    /// Highest ground.
     pub max_ground: f32,
 }
 
-impl TileSet {
-    /// Nothing resident yet.
-    pub fn new(grid: TileGrid) -> Self {
-        let count = grid.columns as usize * grid.rows as usize;
+impl Default for CityBounds {
+    fn default() -> Self {
         Self {
-            grid,
-            tiles: vec![WalkTile::default(); count],
             max_roof: f32::NEG_INFINITY,
             min_ground: f32::INFINITY,
             max_ground: f32::NEG_INFINITY,
         }
     }
+}
 
-    fn index(&self, id: TileId) -> usize {
-        self.grid.columns as usize * id.y as usize + id.x as usize
-    }
-
-    /// Puts a tile of level 0.
-    pub fn put(&mut self, id: TileId, tile: WalkTile) {
-        if let Some(ground) = &tile.ground {
-            let max = ground.bounds.max(GroundBounds::LEVELS - 1, 0, 0);
-            self.max_ground = self.max_ground.max(max);
-        }
-        self.count_bounds(tile.buildings.as_ref());
-        let index = self.index(id);
-        if let Some(slot) = self.tiles.get_mut(index) {
-            *slot = tile;
+impl TileSet {
+    /// Nothing resident yet.
+    pub fn new(grid: TileGrid) -> Self {
+        Self {
+            grid,
+            table: TileTable::new(grid),
+            maps: Vec::new(),
+            grounds: Vec::new(),
+            bounds: CityBounds::default(),
         }
     }
 
-    fn count_bounds(&mut self, buildings: Option<&MapTile>) {
-        if let Some(MapTile { pyramid, .. }) = buildings {
-            self.max_roof = self.max_roof.max(pyramid.max_height());
-            self.min_ground = self.min_ground.min(pyramid.min_height());
-        }
+    /// Puts a building map into its slot; none empties it.
+    pub fn put_map(&mut self, slot: u32, map: Option<MapTile>) {
+        put(&mut self.maps, slot, map);
     }
 
-    /// Replaces building maps of tiles.
-    pub fn replace_buildings(&mut self, maps: impl IntoIterator<Item = (TileId, Option<MapTile>)>) {
-        for (id, map) in maps {
-            let index = self.index(id);
-            if let Some(slot) = self.tiles.get_mut(index) {
-                slot.buildings = map;
-            }
-        }
-        (self.max_roof, self.min_ground) = (f32::NEG_INFINITY, f32::INFINITY);
-        let tiles = std::mem::take(&mut self.tiles);
-        for tile in &tiles {
-            self.count_bounds(tile.buildings.as_ref());
-        }
-        self.tiles = tiles;
+    /// Puts ground into its slot; none empties it.
+    pub fn put_ground(&mut self, slot: u32, ground: Option<GroundTile>) {
+        put(&mut self.grounds, slot, ground);
     }
 
-    /// A tile of level 0.
-    pub fn tile(&self, id: TileId) -> Option<&WalkTile> {
-        self.tiles.get(self.index(id))
+    /// Level and map of the tile that stands for a tile of the grid.
+    pub fn map_over(&self, tile: IVec2) -> (u32, Option<&MapTile>) {
+        let (level, slot) = level_and_slot(self.table.at(tile)[MAPS]);
+        (
+            level,
+            slot.and_then(|slot| self.maps.get(slot as usize)?.as_ref()),
+        )
     }
 
-    /// The tile in a column and row, none outside the grid.
-    pub fn at(&self, position: IVec2) -> Option<&WalkTile> {
-        let inside = |value: i32, count: u32| u32::try_from(value).is_ok_and(|value| value < count);
-        if !inside(position.x, self.grid.columns) || !inside(position.y, self.grid.rows) {
-            return None;
-        }
-        let [x, y] = [position.x, position.y].map(|value| value as usize);
-        self.tiles.get(y * self.grid.columns as usize + x)
+    /// Level and ground of the tile that stands for a tile of the grid.
+    pub fn ground_over(&self, tile: IVec2) -> (u32, Option<&GroundTile>) {
+        let (level, slot) = level_and_slot(self.table.at(tile)[TERRAIN]);
+        (
+            level,
+            slot.and_then(|slot| self.grounds.get(slot as usize)?.as_ref()),
+        )
+    }
+
+    /// Level and slot of the terrain that stands for a tile of the grid.
+    pub fn ground_slot_over(&self, tile: IVec2) -> (u32, Option<u32>) {
+        level_and_slot(self.table.at(tile)[TERRAIN])
     }
 
     /// Ground at a point of the city, metres; none where there is none.
     pub fn ground_at(&self, point: DVec2) -> Option<f64> {
-        let heights = |id: TileId| {
-            Ok::<_, std::convert::Infallible>(
-                self.tile(id)
-                    .and_then(|tile| Some(&tile.ground.as_ref()?.heights)),
-            )
-        };
-        let Ok(height) = ground_at(&self.grid, point, heights);
-        height
+        let id = self.grid.tile_at(point)?;
+        let (level, ground) = self.ground_over(IVec2::new(id.x as i32, id.y as i32));
+        let first = [id.x, id.y].map(|index| f64::from((index >> level) << level));
+        let corner =
+            DVec2::new(self.grid.west, self.grid.south) + DVec2::from_array(first) * self.grid.tile_m;
+        let local = point - corner;
+        ground?.heights.ground(local.x, local.y)
     }
+}
+
+fn put<T>(slots: &mut Vec<Option<T>>, slot: u32, value: Option<T>) {
+    if slots.len() <= slot as usize {
+        slots.resize_with(slot as usize + 1, || None);
+    }
+    slots[slot as usize] = value;
 }

@@ -17,6 +17,13 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Distance of a point from the rectangle, metres; 0 inside.
+    pub fn distance_to(&self, point: DVec2) -> f64 {
+        let outside = |value: f64, low: f64, high: f64| (low - value).max(value - high).max(0.0);
+        let dx = outside(point.x, self.west, self.east);
+        dx.hypot(outside(point.y, self.south, self.north))
+    }
+
     /// The rectangle that holds nothing; growing it by a point makes it that point.
     pub const EMPTY: Self = Self {
         west: f64::INFINITY,

@@ -19,6 +19,17 @@ pub struct TileId {
     pub y: u32,
 }
 
+impl TileId {
+    /// The tile of the next coarser level that it lies in.
+    pub fn parent(self) -> Self {
+        Self {
+            level: self.level + 1,
+            x: self.x / 2,
+            y: self.y / 2,
+        }
+    }
+}
+
 /// The level-0 grid: its south-west corner, the side of a tile and how many there are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TileGrid {
@@ -60,29 +71,65 @@ impl TileGrid {
         }
     }
 
-    /// South-west corner of a level-0 tile.
+    /// Levels of the quadtree over the grid: one tile of the last covers it.
+    pub fn levels(&self) -> u32 {
+        self.columns.max(self.rows).next_power_of_two().ilog2() + 1
+    }
+
+    /// Side of a tile of a level, metres.
+    pub fn level_tile_m(&self, level: u32) -> f64 {
+        self.tile_m * f64::from(1_u32 << level)
+    }
+
+    /// South-west corner of a tile.
     pub fn origin(&self, tile: TileId) -> DVec2 {
+        let tile_m = self.level_tile_m(tile.level);
         DVec2::new(
-            self.west + self.tile_m * f64::from(tile.x),
-            self.south + self.tile_m * f64::from(tile.y),
+            self.west + tile_m * f64::from(tile.x),
+            self.south + tile_m * f64::from(tile.y),
         )
     }
 
-    /// Rectangle of a level-0 tile.
+    /// Rectangle of a tile; a coarse one may reach beyond the grid.
     pub fn tile_bounds(&self, tile: TileId) -> Bounds {
-        let origin = self.origin(tile);
+        let (origin, tile_m) = (self.origin(tile), self.level_tile_m(tile.level));
         Bounds {
             west: origin.x,
             south: origin.y,
-            east: origin.x + self.tile_m,
-            north: origin.y + self.tile_m,
+            east: origin.x + tile_m,
+            north: origin.y + tile_m,
         }
+    }
+
+    /// The four tiles below one of a level above 0, row by row from the south-west; those beyond the grid hold nothing.
+    pub fn children(&self, tile: TileId) -> [TileId; 4] {
+        std::array::from_fn(|k| TileId {
+            level: tile.level - 1,
+            x: 2 * tile.x + k as u32 % 2,
+            y: 2 * tile.y + k as u32 / 2,
+        })
+    }
+
+    /// True when a tile lies at least in part on the grid.
+    pub fn contains(&self, tile: TileId) -> bool {
+        let first = |index: u32| u64::from(index) << tile.level;
+        first(tile.x) < u64::from(self.columns) && first(tile.y) < u64::from(self.rows)
+    }
+
+    /// Columns and rows of a level.
+    pub fn counts(&self, level: u32) -> [usize; 2] {
+        [self.columns, self.rows].map(|count| count.div_ceil(1 << level) as usize)
+    }
+
+    /// All tiles of a level, row by row from the south-west.
+    pub fn tiles_of_level(&self, level: u32) -> impl Iterator<Item = TileId> + use<> {
+        let [columns, rows] = self.counts(level).map(|count| count as u32);
+        (0..rows).flat_map(move |y| (0..columns).map(move |x| TileId { level, x, y }))
     }
 
     /// All level-0 tiles, row by row from the south-west.
     pub fn tiles(&self) -> impl Iterator<Item = TileId> + use<> {
-        let columns = self.columns;
-        (0..self.rows).flat_map(move |y| (0..columns).map(move |x| TileId { level: 0, x, y }))
+        self.tiles_of_level(0)
     }
 
     /// Level-0 tiles that share area or border with `bounds`.

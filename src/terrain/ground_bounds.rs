@@ -73,6 +73,7 @@ mod tests {
         for side in [2, 18, 65, 129, 513] {
             let tile = HeightTile {
                 side,
+                level: 0,
                 step_m: 512.0 / (side - 1) as f64,
                 heights: (0..side * side)
                     .map(|k| (k.wrapping_mul(2_654_435_761) % 1000) as f32)

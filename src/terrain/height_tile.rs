@@ -6,13 +6,15 @@
 pub struct HeightTile {
     /// Samples along a side: intervals + 1.
     pub side: usize,
+    /// Level in the tile quadtree: how often the distance between samples is doubled.
+    pub level: u32,
     /// Distance between samples, metres.
     pub step_m: f64,
     /// `side * side` heights.
     pub heights: Vec<f32>,
 }
 
-/// Distance between the positions that a mesh may use, at most, metres. Two triangles differ from the bilinear cell under
+/// Distance between the positions that a mesh of level 0 may use, at most, metres; it doubles from level to level. Two triangles differ from the bilinear cell under
 /// them by a quarter of its twist, which shrinks with the square of the distance: 90 m of steep ground differ by metres,
 /// 4 m of the same ground by millimetres.
 const MESH_STEP_M: f64 = 4.0;
@@ -24,7 +26,8 @@ impl HeightTile {
     /// Parts that the mesh divides a cell's side into. A mesh's vertices lie on the lattice so refined,
     /// `(side - 1) * mesh_parts + 1` positions a side, and have the bilinear surface's height.
     pub fn mesh_parts(&self) -> usize {
-        let wanted = (self.step_m / MESH_STEP_M).ceil() as usize;
+        let mesh_step_m = MESH_STEP_M * f64::from(1_u32 << self.level);
+        let wanted = (self.step_m / mesh_step_m).ceil() as usize;
         wanted.min(MAX_MESH_INTERVALS / (self.side - 1).max(1)).max(1)
     }
 
@@ -61,6 +64,7 @@ impl HeightTile {
             .collect();
         Self {
             side,
+            level: self.level,
             step_m: self.step_m / parts as f64,
             heights,
         }

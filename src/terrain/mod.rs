@@ -8,6 +8,7 @@ mod fill;
 mod grid_mesh;
 mod ground_bounds;
 mod height_tile;
+mod level;
 mod profile;
 mod tin;
 
@@ -15,4 +16,5 @@ pub use fill::fill_gaps;
 pub use grid_mesh::grid_triangles;
 pub use ground_bounds::GroundBounds;
 pub use height_tile::HeightTile;
+pub use level::{coarser_ground, mesh_errors, meshes, meshes_alone};
 pub use tin::{Apron, tin_triangles};

@@ -126,6 +126,7 @@ fn hole_vertices(mesh: &HeightTile, samples: usize, parts: usize, apron: &Apron<
     }
     let wide = HeightTile {
         side: samples + 2,
+        level: mesh.level,
         step_m: mesh.step_m * parts as f64,
         heights: apron.0.to_vec(),
     };

@@ -24,13 +24,15 @@ use crate::city::City;
 use crate::gpu::{Gpu, read_texture};
 use crate::output::{FlareSettings, FrameRequest, RenderError, Renderer, write_png};
 use crate::relief::ReliefMode;
-use crate::scene::TerrainMesh;
+use crate::scene::PoolOptions;
 use crate::space::{Pose, Projection};
 
 /// What the window begins with.
 pub struct ViewerOptions {
     /// The city.
     pub city: City,
+    /// How much of it is held on the device.
+    pub pool: PoolOptions,
     /// The first view; without one, a view of the whole city.
     pub pose: Option<Pose>,
     /// What makes the image.
@@ -114,7 +116,7 @@ impl App {
         let (gpu, surface, configuration) =
             Gpu::open_for_window(Arc::clone(&window)).map_err(RenderError::from)?;
         let screen = Screen::new(&gpu, window, surface, configuration);
-        let renderer = Renderer::open(gpu, &self.options.city, TerrainMesh::Tin)?;
+        let renderer = Renderer::open(gpu, &self.options.city, self.options.pool)?;
         let tiles = &renderer.resident.tiles;
         let pose = self.options.pose.unwrap_or_else(|| first_pose(tiles));
         let state = SceneState {
@@ -216,6 +218,7 @@ impl Running {
         !self.keys.is_empty()
             || self.saves_image
             || self.screen.overlay.is_animated()
+            || self.renderer.resident.is_loading()
             || self.pace.next(Instant::now()).is_some()
     }
 
@@ -242,21 +245,30 @@ impl Running {
             .min(MAX_FLIGHT_S);
         self.last_frame = now;
         self.fly(seconds);
+        let camera = self.state.camera();
+        let request = |size: [u32; 2]| FrameRequest {
+            camera: &camera,
+            sun: &self.state.sun,
+            size,
+            mode: ReliefMode::Exact,
+            flare: self.state.flare.as_ref(),
+            exposure: self.state.exposure_stops.exp2(),
+        };
+        let full_size = self.screen.size();
+        self.renderer.detail_size = Some(full_size);
+        let version = self.renderer.resident.version();
+        self.renderer.prepare(&request(full_size))?;
+        if self.renderer.resident.version() != version {
+            // Tiles came: as in motion, until all are there.
+            self.pace.moved(now);
+        }
+        if let Some(warning) = self.renderer.resident.take_warnings().pop() {
+            self.message = warning;
+        }
         let step = self.pace.next(now);
         if let Some(step) = step {
-            let size = self
-                .screen
-                .size()
-                .map(|side| ((f64::from(side) * step.scale).round() as u32).max(1));
-            let camera = self.state.camera();
-            let request = FrameRequest {
-                camera: &camera,
-                sun: &self.state.sun,
-                size,
-                mode: ReliefMode::Exact,
-                flare: self.state.flare.as_ref(),
-                exposure: self.state.exposure_stops.exp2(),
-            };
+            let size = full_size.map(|side| ((f64::from(side) * step.scale).round() as u32).max(1));
+            let request = request(size);
             self.renderer.frame_band(&request, step.sample, step.band)?;
             self.renderer.gpu.wait().map_err(RenderError::from)?;
             let Some(took) = self.pace.drawn(step, now.elapsed()) else {

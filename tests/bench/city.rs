@@ -39,6 +39,7 @@ fn benches(criterion: &mut Criterion) {
         |k: usize, wide: usize| ((k % wide) as f32 / 9.0).sin() * 8.0 + ((k / wide) as f32 / 5.0).cos() * 3.0;
     let ground = HeightTile {
         side,
+        level: 0,
         step_m: 4.0,
         heights: (0..side * side).map(|k| height(k, side)).collect(),
     };

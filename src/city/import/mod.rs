@@ -3,7 +3,7 @@
 //! ```text
 //! footprints ──────────────┐
 //! DTM ─▶ terrain ─▶ ground ─▶ footprint dataset (bases, roofs) ─▶ tiles ─▶ manifest
-//! orthophotos ─────────────────────────────────────────────────────┘
+//! orthophotos ─────────────────────────────────────────────────────┴▶ levels (each from the one below)
 //! ```
 //! The footprint source is read twice: for outlines and heights, and, when the ground has told which of them are
 //! buildings, for their attributes, which are never held in memory.
@@ -12,6 +12,7 @@
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
 mod dataset_of_record;
+mod levels;
 mod options;
 mod plan;
 mod progress;
@@ -22,6 +23,7 @@ mod terrain;
 mod tiles;
 
 use dataset_of_record::make_footprint_dataset;
+use levels::{LevelParameters, make_levels};
 use options::{cache_key, check_numbers, refuse_inputs_inside};
 use plan::{Plan, rejected};
 use progress::progress;
@@ -119,6 +121,14 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         });
     }
     let tiles = make_tiles(&sources, &plan, &buildings, &writer)?;
+    let texel_m = plan.grid.tile_m / TILE_TEXELS as f64;
+    let levels = LevelParameters {
+        tile_texels: TILE_TEXELS,
+        texel_m,
+        imagery_side: tiles.imagery_side,
+        terrain_error_m: options.terrain_error_m,
+    };
+    make_levels(&plan, &levels, &writer)?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
     let bounds = plan.grid.bounds();
     warnings.extend(source_warnings(&sources, options.keep_steps, &bounds, &place)?);
@@ -136,13 +146,13 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             .into_owned(),
         crs: sources.crs.label().to_owned(),
         units: "metre".to_owned(),
-        texel_m: plan.grid.tile_m / TILE_TEXELS as f64,
+        texel_m,
         tile_texels: TILE_TEXELS,
         terrain_step_m: plan.terrain_step_m,
         terrain_side: plan.terrain_side,
         terrain_error_m: options.terrain_error_m,
         imagery_side: tiles.imagery_side,
-        levels: 1,
+        levels: plan.grid.levels(),
         terrain_tiles: terrain.tiles,
         building_tiles: tiles.buildings,
         imagery_tiles: tiles.imagery,

@@ -128,6 +128,7 @@ impl Trial {
             let corner = DVec2::new(grid.west, grid.south);
             tiles.push(HeightTile {
                 side: intervals + 1,
+                level: 0,
                 step_m,
                 heights: sampler.lattice(corner, step_m, first, [intervals + 1; 2])?,
             });
@@ -155,6 +156,7 @@ fn fractions_off(tile: &HeightTile, stride: usize) -> Option<[f64; 2]> {
     let side = (tile.side - 1) / stride + 1;
     let coarse = HeightTile {
         side,
+        level: 0,
         step_m: tile.step_m * stride as f64,
         heights: (0..side * side)
             .map(|k| tile.heights[(k / side) * stride * tile.side + (k % side) * stride])

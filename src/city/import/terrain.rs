@@ -15,7 +15,7 @@ use crate::city::writer::TileWriter;
 use crate::city::{CityError, Layer, TerrainTile, Tile};
 use crate::source::DtmSampler;
 use crate::space::TileId;
-use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, tin_triangles};
+use crate::terrain::{Apron, HeightTile, fill_gaps, grid_triangles, meshes};
 
 /// Counts over all tiles.
 pub struct TerrainTotals {
@@ -62,7 +62,7 @@ pub fn make_terrain(
                 };
                 if let Some(terrain) = &terrain {
                     totals[0].fetch_add(1, Ordering::Relaxed);
-                    totals[1].fetch_add(terrain.triangles.len() as u64, Ordering::Relaxed);
+                    totals[1].fetch_add(terrain.meshes[0].len() as u64, Ordering::Relaxed);
                     totals[2].fetch_add(grid_triangles(&terrain.ground).len() as u64, Ordering::Relaxed);
                 }
                 let tile = Tile::new(id, terrain, None, None);
@@ -117,15 +117,19 @@ fn terrain_tile(
     }
     let ground = HeightTile {
         side,
+        level: 0,
         step_m: plan.terrain_step_m,
         heights: cut(&apron, side + 2, 1, side),
     };
     if ground.range().is_none() {
         return Ok((None, filled));
     }
-    let triangles = tin_triangles(&ground, &Apron(&apron), tolerance_m as f32);
-    let tile = (!triangles.is_empty()).then_some(TerrainTile { ground, triangles });
-    Ok((tile, filled))
+    // Ground that not one whole cell has is none.
+    if grid_triangles(&ground).is_empty() {
+        return Ok((None, filled));
+    }
+    let meshes = meshes(&ground, &Apron(&apron), tolerance_m);
+    Ok((Some(TerrainTile { ground, meshes }), filled))
 }
 
 /// The square of `side` samples that starts `margin` in from the corner.

@@ -8,7 +8,7 @@ use super::TILE_TEXELS;
 use super::plan::Plan;
 use super::progress::progress;
 use super::sources::Sources;
-use crate::buildings::{Building, Pyramid};
+use crate::buildings::{Building, MapTile};
 use crate::city::layer::Layer;
 use crate::city::raised_footprints::{building_map, buildings_by_tile};
 use crate::city::writer::TileWriter;
@@ -71,9 +71,9 @@ pub fn make_tiles(
                 imagery.transpose()?.flatten(),
             );
             if let Some(buildings) = &tile.buildings {
-                let bytes = buildings.map.bytes() + Pyramid::bytes(buildings.map.side);
+                let bytes = MapTile::bytes_of(&buildings.map);
                 totals[0].fetch_add(1, Ordering::Relaxed);
-                totals[1].fetch_add(bytes as u64, Ordering::Relaxed);
+                totals[1].fetch_add(bytes, Ordering::Relaxed);
             }
             totals[2].fetch_add(u64::from(tile.imagery.is_some()), Ordering::Relaxed);
             writer.put(&tile, &[Layer::Buildings, Layer::Imagery])?;

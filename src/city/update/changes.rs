@@ -1,6 +1,6 @@
 //! What an update changes: footprints, and the building-map tiles under them.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -10,7 +10,7 @@ use geo::MultiPolygon;
 use rayon::prelude::*;
 
 use super::UpdateOptions;
-use crate::buildings::{Building, BuildingMap, Pyramid, triangle_bytes};
+use crate::buildings::{Building, BuildingMap, MapTile, coarser, triangle_bytes};
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::{City, CityError, Layer};
@@ -64,18 +64,16 @@ pub struct TileChange {
 impl TileChange {
     /// Bytes of the new map when loaded.
     pub fn bytes(&self) -> u64 {
-        self.map.as_ref().map_or(0, map_bytes)
+        self.map.as_ref().map_or(0, MapTile::bytes_of)
     }
-}
-
-fn map_bytes(map: &BuildingMap) -> u64 {
-    (map.bytes() + Pyramid::bytes(map.side)) as u64
 }
 
 /// All that an update changes.
 pub struct Changes {
-    /// Tiles that differ.
+    /// Tiles of level 0 that differ.
     pub tiles: Vec<TileChange>,
+    /// Tiles of coarser levels that differ then.
+    pub parents: Vec<TileChange>,
     /// Tiles with buildings and bytes of their maps, where all tiles were looked at.
     pub totals: Option<[u64; 2]>,
     /// Whether footprints were written that go into the dataset.
@@ -123,7 +121,8 @@ pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Chan
     }
     let ids: Vec<TileId> = manifest.grid.tiles().collect();
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
-    let (tiles, totals) = changed_tiles(city, &ids, &by_tile)?;
+    let (tiles, totals) = changed_tiles(place, &ids, &by_tile)?;
+    let parents = changed_parents(city, &tiles)?;
     let repaired = |fid: u32| -> Option<&MultiPolygon<f64>> {
         let index = buildings
             .binary_search_by_key(&fid, |building| building.fid)
@@ -138,6 +137,7 @@ pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Chan
     }
     Ok(Changes {
         tiles,
+        parents,
         totals: Some(totals),
         changes_dataset,
         deleted: Vec::new(),
@@ -223,7 +223,8 @@ pub fn from_file(
     buildings.extend(after.iter().cloned());
     buildings.sort_by_key(|building| building.fid);
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
-    let (tiles, _) = changed_tiles(city, &ids, &by_tile)?;
+    let (tiles, _) = changed_tiles(place, &ids, &by_tile)?;
+    let parents = changed_parents(city, &tiles)?;
 
     let added = after.iter().filter(|building| !is_known(building.fid)).count() as u64;
     let left = manifest.buildings + added;
@@ -241,6 +242,7 @@ pub fn from_file(
     };
     Ok(Changes {
         tiles,
+        parents,
         totals: None,
         changes_dataset: !after.is_empty(),
         counts: Some([added, after.len() as u64 - added, deleted.len() as u64]),
@@ -332,10 +334,11 @@ fn require_inside(city: &City, before: &[Building], after: &[Building]) -> Resul
 
 /// Those of some tiles whose maps are other ones than on disk; and how many of them have maps then, and the bytes of those.
 fn changed_tiles(
-    city: &City,
+    place: &UpdateContext<'_>,
     ids: &[TileId],
     by_tile: &BTreeMap<TileId, Vec<&Building>>,
 ) -> Result<(Vec<TileChange>, [u64; 2]), CityError> {
+    let city = place.city;
     let manifest = city.manifest();
     let totals = [const { AtomicU64::new(0) }; 2];
     let changed = |&id: &TileId| -> Result<Option<TileChange>, CityError> {
@@ -347,10 +350,15 @@ fn changed_tiles(
                 }
             })
         });
-        let map = map.transpose()?.flatten();
+        let lowest = match by_tile.contains_key(&id) {
+            true => place.ground.tile(id)?.and_then(|ground| ground.range()),
+            false => None,
+        };
+        let lowest = lowest.map_or(f32::INFINITY, |[lowest, _]| lowest);
+        let map = map.transpose()?.flatten().map(|map| map.over_ground(lowest));
         if let Some(map) = &map {
             totals[0].fetch_add(1, Ordering::Relaxed);
-            totals[1].fetch_add(map_bytes(map), Ordering::Relaxed);
+            totals[1].fetch_add(MapTile::bytes_of(map), Ordering::Relaxed);
         }
         // A damaged tile is one that differs.
         let before = city.buildings(id).ok().flatten();
@@ -358,7 +366,7 @@ fn changed_tiles(
         let is_same = before == map && is_there == map.is_some();
         Ok((!is_same).then(|| TileChange {
             id,
-            bytes_before: before.as_ref().map_or(0, map_bytes),
+            bytes_before: before.as_ref().map_or(0, MapTile::bytes_of),
             was_there: is_there,
             map,
         }))
@@ -366,4 +374,60 @@ fn changed_tiles(
     let changes = ids.par_iter().filter_map(|id| changed(id).transpose());
     let changes = changes.collect::<Result<Vec<_>, _>>()?;
     Ok((changes, totals.map(AtomicU64::into_inner)))
+}
+
+/// The tiles over changed ones whose maps become other ones, level after level.
+fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChange>, CityError> {
+    let grid = &city.manifest().grid;
+    let mut parents: Vec<TileChange> = Vec::new();
+    let mut below = 0..tiles.len();
+    for level in 1..grid.levels() {
+        let changed: HashMap<TileId, Option<&BuildingMap>> = match level {
+            1 => tiles.iter().map(|tile| (tile.id, tile.map.as_ref())).collect(),
+            _ => (parents[below].iter())
+                .map(|tile| (tile.id, tile.map.as_ref()))
+                .collect(),
+        };
+        let ids: BTreeSet<TileId> = changed.keys().map(|id| id.parent()).collect();
+        let ids: Vec<TileId> = ids.into_iter().collect();
+        let parent = |&id: &TileId| parent_change(city, id, &changed).transpose();
+        let next = ids.par_iter().filter_map(parent);
+        let next = next.collect::<Result<Vec<TileChange>, CityError>>()?;
+        below = parents.len()..parents.len() + next.len();
+        parents.extend(next);
+    }
+    Ok(parents)
+}
+
+/// A tile of a coarse level over changed ones; none when it stays the same.
+fn parent_change(
+    city: &City,
+    id: TileId,
+    changed: &HashMap<TileId, Option<&BuildingMap>>,
+) -> Result<Option<TileChange>, CityError> {
+    let children = city.manifest().grid.children(id);
+    let mut read = [const { None }; 4];
+    for (map, child) in read.iter_mut().zip(children) {
+        if !changed.contains_key(&child) {
+            *map = city.buildings(child)?;
+        }
+    }
+    let child = |k: usize| match changed.get(&children[k]) {
+        Some(map) => *map,
+        None => read[k].as_ref(),
+    };
+    let map = coarser(std::array::from_fn(child)).map_err(|source| CityError::TileTooLarge {
+        path: Layer::Buildings.tile_path(city.folder(), id),
+        source,
+    })?;
+    // A damaged tile is one that differs.
+    let before = city.buildings(id).ok().flatten();
+    let is_there = city.has(Layer::Buildings, id);
+    let is_same = before == map && is_there == map.is_some();
+    Ok((!is_same).then(|| TileChange {
+        id,
+        bytes_before: before.as_ref().map_or(0, MapTile::bytes_of),
+        was_there: is_there,
+        map,
+    }))
 }

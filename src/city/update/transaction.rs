@@ -33,8 +33,8 @@ const MANIFEST: &str = "city.toml";
 /// What an update takes away.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Plan {
-    /// Column and row of tiles on which no building stands any more.
-    tiles: Vec<[u32; 2]>,
+    /// Level, column and row of tiles on which no building stands any more.
+    tiles: Vec<[u32; 3]>,
     /// Ids of buildings.
     buildings: Vec<u32>,
 }
@@ -43,7 +43,7 @@ struct Plan {
 #[derive(Clone, Debug)]
 pub struct Pending {
     folder: PathBuf,
-    removed: HashSet<[u32; 2]>,
+    removed: HashSet<[u32; 3]>,
 }
 
 impl Pending {
@@ -71,7 +71,7 @@ impl Pending {
 
     /// Whether the update takes a tile away.
     pub fn removes(&self, layer: Layer, tile: TileId) -> bool {
-        layer == Layer::Buildings && self.removed.contains(&[tile.x, tile.y])
+        layer == Layer::Buildings && self.removed.contains(&[tile.level, tile.x, tile.y])
     }
 }
 
@@ -89,8 +89,10 @@ impl<'a> Transaction<'a> {
     pub fn begin(place: &'a UpdateContext<'a>) -> Result<Self, CityError> {
         let folder = place.city.folder().join(PARTIAL);
         remove_folder(&folder)?;
-        let tiles = folder.join(Layer::Buildings.name()).join("0");
-        fs::create_dir_all(&tiles).map_err(CityError::file(&tiles))?;
+        for level in 0..place.city.manifest().grid.levels() {
+            let tiles = Layer::Buildings.level_path(&folder, level);
+            fs::create_dir_all(&tiles).map_err(CityError::file(&tiles))?;
+        }
         Ok(Self { place, folder })
     }
 
@@ -105,15 +107,17 @@ impl<'a> Transaction<'a> {
             buildings: changes.deleted.clone(),
             ..Plan::default()
         };
-        for tile in changes.tiles.iter().filter(|tile| tile.map.is_none()) {
-            plan.tiles.push([tile.id.x, tile.id.y]);
+        let tiles: Vec<&TileChange> = changes.tiles.iter().chain(&changes.parents).collect();
+        for tile in tiles.iter().filter(|tile| tile.map.is_none()) {
+            plan.tiles.push([tile.id.level, tile.id.x, tile.id.y]);
         }
-        let write = |tile: &TileChange| -> Result<(), CityError> {
+        let write = |tile: &&TileChange| -> Result<(), CityError> {
             let Some(map) = &tile.map else { return Ok(()) };
             let path = Layer::Buildings.tile_path(&self.folder, tile.id);
-            write_buildings(&path, &manifest.grid.tile_bounds(tile.id), map, &keys)
+            let bounds = manifest.grid.tile_bounds(tile.id);
+            write_buildings(&path, (tile.id.level, &bounds), map, &keys)
         };
-        changes.tiles.par_iter().try_for_each(write)?;
+        tiles.par_iter().try_for_each(write)?;
         for (name, text) in [
             (PLAN, toml::to_string_pretty(&plan)),
             (MANIFEST, toml::to_string_pretty(manifest)),
@@ -204,33 +208,47 @@ fn move_files(city: &Path, plan: Plan) -> Result<(), CityError> {
     let folder = city.join(COMMITTED);
     let manifest = folder.join(MANIFEST);
     let dataset_path = city.join("buildings.gpkg");
-    let tiles = folder.join(Layer::Buildings.name()).join("0");
-    let places = city.join(Layer::Buildings.name()).join("0");
-    // A link could lead the writer out of the folder.
-    for path in [&tiles, &places] {
-        require_plain(path)?;
-        require_plain(path.parent().unwrap_or(path))?;
-    }
     require_plain(&manifest)?;
-    for entry in fs::read_dir(&tiles).map_err(CityError::file(&tiles))? {
-        let entry = entry.map_err(CityError::file(&tiles))?;
-        if is_tile_name(&entry.file_name()) {
-            let place = places.join(entry.file_name());
-            fs::rename(entry.path(), &place).map_err(CityError::file(&place))?;
-        }
+    for layer_folder in [folder.as_path(), city].map(|folder| folder.join(Layer::Buildings.name())) {
+        // A link could lead the writer out of the folder.
+        require_plain(&layer_folder)?;
     }
-    for [x, y] in plan.tiles {
-        let path = Layer::Buildings.tile_path(city, TileId { level: 0, x, y });
+    for level in 0.. {
+        let [tiles, places] =
+            [folder.as_path(), city].map(|folder| Layer::Buildings.level_path(folder, level));
+        if !tiles.exists() {
+            break;
+        }
+        move_level(&tiles, &places)?;
+    }
+    for [level, x, y] in plan.tiles {
+        let path = Layer::Buildings.tile_path(city, TileId { level, x, y });
         if path.exists() {
             fs::remove_file(&path).map_err(CityError::file(&path))?;
         }
+        sync_folder(path.parent().unwrap_or(city))?;
     }
-    sync_folder(&places)?;
     set_not_older(&manifest, &dataset_path)?;
     let place = city.join(MANIFEST);
     fs::rename(&manifest, &place).map_err(CityError::file(&place))?;
     sync_folder(city)?;
     remove_folder(&folder)
+}
+
+/// Moves the tiles of one level.
+fn move_level(tiles: &Path, places: &Path) -> Result<(), CityError> {
+    require_plain(tiles)?;
+    require_plain(places)?;
+    let mut moved = false;
+    for entry in fs::read_dir(tiles).map_err(CityError::file(tiles))? {
+        let entry = entry.map_err(CityError::file(tiles))?;
+        if is_tile_name(&entry.file_name()) {
+            let place = places.join(entry.file_name());
+            fs::rename(entry.path(), &place).map_err(CityError::file(&place))?;
+            moved = true;
+        }
+    }
+    if moved { sync_folder(places) } else { Ok(()) }
 }
 
 /// Makes a manifest not older than the dataset: that would say that the dataset was edited.

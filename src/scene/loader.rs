@@ -1,0 +1,117 @@
+//! Tiles from disk on worker threads.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::SystemTime;
+
+use rayon::prelude::*;
+
+use crate::buildings::MapTile;
+use crate::city::{City, CityError, ImageryTile, Layer, TerrainTile};
+use crate::space::TileId;
+use crate::terrain::GroundBounds;
+
+/// One layer of one tile.
+pub type TileKey = (Layer, TileId);
+
+/// What a file of a tile holds.
+pub enum Loaded {
+    /// No file: nothing stands there.
+    Nothing,
+    /// Terrain and its maxima.
+    Terrain(Box<(TerrainTile, GroundBounds)>),
+    /// A building map.
+    Map(Box<MapTile>),
+    /// Imagery.
+    Imagery(ImageryTile),
+}
+
+/// A tile read.
+pub struct Reading {
+    /// Which.
+    pub key: TileKey,
+    /// What told, before it was read, whether an update wrote its file.
+    pub stamp: Option<(SystemTime, u64)>,
+    /// What it holds, or why not.
+    pub loaded: Result<Loaded, CityError>,
+}
+
+/// Most tiles on their way at a time.
+const MAX_IN_FLIGHT: usize = 16;
+
+/// Reads tiles.
+pub struct Loader {
+    sender: Sender<Reading>,
+    receiver: Receiver<Reading>,
+    in_flight: Vec<TileKey>,
+}
+
+impl Default for Loader {
+    fn default() -> Self {
+        let (sender, receiver) = channel();
+        Self {
+            sender,
+            receiver,
+            in_flight: Vec::new(),
+        }
+    }
+}
+
+impl Loader {
+    /// Asks for tiles, the first first, as many as may be on their way.
+    pub fn request(&mut self, city: &Arc<City>, keys: &[TileKey]) {
+        for &key in keys {
+            if self.in_flight.len() >= MAX_IN_FLIGHT {
+                break;
+            }
+            if self.in_flight.contains(&key) {
+                continue;
+            }
+            self.in_flight.push(key);
+            let (city, sender) = (Arc::clone(city), self.sender.clone());
+            // Nobody waits for it any more when the city was closed.
+            rayon::spawn(move || drop(sender.send(read(&city, key))));
+        }
+    }
+
+    /// What has come in.
+    pub fn finished(&mut self) -> Vec<Reading> {
+        let readings: Vec<Reading> = self.receiver.try_iter().collect();
+        for reading in &readings {
+            self.in_flight.retain(|&key| key != reading.key);
+        }
+        readings
+    }
+
+    /// True when tiles are on their way.
+    pub fn is_busy(&self) -> bool {
+        !self.in_flight.is_empty()
+    }
+}
+
+/// Reads tiles at once, on all threads.
+pub fn read_all(city: &City, keys: &[TileKey]) -> Vec<Reading> {
+    keys.par_iter().map(|&key| read(city, key)).collect()
+}
+
+fn read(city: &City, key: TileKey) -> Reading {
+    Reading {
+        key,
+        stamp: city.stamp(key.0, key.1),
+        loaded: load(city, key),
+    }
+}
+
+fn load(city: &City, (layer, id): TileKey) -> Result<Loaded, CityError> {
+    Ok(match layer {
+        Layer::Terrain => city.terrain(id)?.map(|terrain| {
+            let bounds = GroundBounds::from_heights(&terrain.ground);
+            Loaded::Terrain(Box::new((terrain, bounds)))
+        }),
+        Layer::Buildings => city
+            .buildings(id)?
+            .map(|map| Loaded::Map(Box::new(MapTile::new(map)))),
+        Layer::Imagery => city.imagery(id)?.map(Loaded::Imagery),
+    }
+    .unwrap_or(Loaded::Nothing))
+}

@@ -1,0 +1,158 @@
+//! Building maps on the device.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::SceneError;
+use crate::buildings::{BuildingMap, MapTile};
+use crate::gpu::{Gpu, RecordPool, Run, TexelPool};
+
+/// Words along a row of the pool of words; shaders have it as `POOL_WORDS`.
+pub const POOL_WORDS: u32 = 8192;
+/// Records of 16 bytes along a row of theirs; shaders have it as `POOL_QUADS`.
+pub const POOL_QUADS: u32 = 2048;
+
+/// Where a tile's building map lies in the pool; layout of `TileRecord` in `shaders/lib/building_map.wgsl`, where it is explained.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs)]
+pub struct TileRecord {
+    pub quad_base: u32,
+    pub word_base: u32,
+    /// Lowest ground, metres.
+    pub min_height: f32,
+    /// Highest roof, metres.
+    pub max_height: f32,
+    pub block_base: u32,
+    pub padding_a: u32,
+    pub padding_b: u32,
+    pub padding_c: u32,
+}
+
+/// A vertex of an outline, or a roof; layout of `VertexRecord` in `shaders/lib/building_map.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct VertexRecord {
+    /// Metres from the tile's south-west corner.
+    pub position: [f32; 2],
+    /// Elevation of the building's roof, metres.
+    pub roof_m: f32,
+    /// Id of the building.
+    pub fid: u32,
+}
+
+/// The building maps of all resident tiles.
+pub struct MapPool {
+    /// Records of the tiles, by slot.
+    pub slots: RecordPool<TileRecord>,
+    /// Lengths along outlines, and the maps' words.
+    pub words: TexelPool,
+    /// Roofs, nodes of the pyramids, outline vertices.
+    pub quads: TexelPool,
+    runs: Vec<Option<[Run; 2]>>,
+}
+
+impl MapPool {
+    /// An empty pool.
+    ///
+    /// # Errors
+    /// When the device cannot hold one.
+    pub fn new(gpu: &Gpu) -> Result<Self, SceneError> {
+        use wgpu::TextureFormat::{R32Uint, Rgba32Uint};
+        Ok(Self {
+            slots: RecordPool::new(gpu, "building map slots"),
+            words: TexelPool::new(gpu, "building map words", R32Uint, POOL_WORDS)?,
+            quads: TexelPool::new(gpu, "building map records", Rgba32Uint, POOL_QUADS)?,
+            runs: Vec::new(),
+        })
+    }
+
+    /// Makes room for maps; true when what shaders read was made anew.
+    pub fn reserve(&mut self, gpu: &Gpu, maps: &[&MapTile]) -> bool {
+        let words = maps
+            .iter()
+            .map(|tile| (tile.map.words.len() + tile.map.vertices.len()) as u64);
+        let quads = maps.iter().map(|&tile| quad_count(tile));
+        let words = self.words.reserve(gpu, words.sum());
+        self.quads.reserve(gpu, quads.map(|count| count as u64).sum()) || words
+    }
+
+    /// Puts a map; its slot, and true when what shaders read was made anew.
+    ///
+    /// # Errors
+    /// When the device holds no more.
+    pub fn put(&mut self, gpu: &Gpu, MapTile { map, pyramid }: &MapTile) -> Result<(u32, bool), SceneError> {
+        let lengths = map.vertices.iter().rev().map(|vertex| vertex.along_m.to_bits());
+        let words: Vec<u32> = lengths.chain(map.words.iter().copied()).collect();
+        let (words, grows_words) = self.words.put(gpu, &words)?;
+        let (quads, grows_quads) = match self.quads.put(gpu, &quads_of(map, pyramid.nodes())) {
+            Ok(put) => put,
+            Err(error) => {
+                self.words.free(words);
+                return Err(error.into());
+            }
+        };
+        let quad_base = quads.first + map.roofs.len() as u32;
+        let record = TileRecord {
+            quad_base,
+            block_base: quad_base + (pyramid.nodes().len() + map.vertices.len()) as u32,
+            padding_a: 0,
+            padding_b: 0,
+            padding_c: 0,
+            word_base: words.first + map.vertices.len() as u32,
+            min_height: pyramid.min_height(),
+            max_height: pyramid.max_height(),
+        };
+        let (slot, grows_slots) = self.slots.put(gpu, record)?;
+        if self.runs.len() <= slot as usize {
+            self.runs.resize(slot as usize + 1, None);
+        }
+        self.runs[slot as usize] = Some([words, quads]);
+        Ok((slot, grows_words || grows_quads || grows_slots))
+    }
+
+    /// Drops a map.
+    pub fn drop(&mut self, slot: u32) {
+        if let Some([words, quads]) = self.runs.get_mut(slot as usize).and_then(Option::take) {
+            self.words.free(words);
+            self.quads.free(quads);
+            self.slots.free(slot);
+        }
+    }
+
+    /// Bytes of the maps in it.
+    pub fn bytes_used(&self) -> u64 {
+        self.words.bytes_used() + self.quads.bytes_used()
+    }
+
+    /// Bytes on the device.
+    pub fn bytes(&self) -> u64 {
+        self.words.bytes() + self.quads.bytes()
+    }
+}
+
+fn quad_count(MapTile { map, pyramid }: &MapTile) -> usize {
+    map.roofs.len() + pyramid.nodes().len() + map.vertices.len() + map.occupied_count()
+}
+
+/// A map's roofs, the last first, the nodes of its pyramid, its outline vertices, its occupied blocks.
+fn quads_of(map: &BuildingMap, nodes: &[[u32; 4]]) -> Vec<[u32; 4]> {
+    let roofs = map.roofs.iter().rev().map(|roof| VertexRecord {
+        position: [0.0; 2],
+        roof_m: roof.roof_m,
+        fid: roof.fid,
+    });
+    let vertices = map.vertices.iter().map(|vertex| {
+        let roof = &map.roofs[vertex.building as usize];
+        VertexRecord {
+            position: [vertex.x_m, vertex.y_m],
+            roof_m: roof.roof_m,
+            fid: roof.fid,
+        }
+    });
+    roofs
+        .map(bytemuck::cast)
+        .chain(nodes.iter().copied())
+        .chain(vertices.map(bytemuck::cast))
+        .chain(map.block_records())
+        .collect()
+}
