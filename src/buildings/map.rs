@@ -71,7 +71,7 @@ pub enum Block {
 /// Texels along a block's side; blocks along a group's.
 pub const BLOCK: usize = 4;
 /// Texels of a block.
-const TEXELS: usize = BLOCK * BLOCK;
+pub const TEXELS: usize = BLOCK * BLOCK;
 /// What a record's header says of a texel; shaders have the last two as `TEXEL_MAIN` and `TEXEL_OWN`.
 const TEXEL_EMPTY: u32 = 0;
 /// See [`TEXEL_EMPTY`].
@@ -172,37 +172,18 @@ impl BuildingMap {
 
     /// True without a building.
     pub fn is_empty(&self) -> bool {
-        self.words.len() == Self::groups_across(self.side).pow(2)
+        self.words.len() == self.index_len()
     }
 
-    /// Bytes that the map takes on the GPU without its pyramid: its words; a record of 16 bytes for every vertex, roof and occupied
-    /// block, and a length along the outline for every vertex.
-    pub fn bytes(&self) -> usize {
-        4 * self.words.len() + 20 * self.vertices.len() + 16 * (self.roofs.len() + self.occupied_count())
+    /// Words of the index.
+    pub fn index_len(&self) -> usize {
+        Self::groups_across(self.side).pow(2)
     }
 
     /// Number of blocks that hold a building.
     pub fn occupied_count(&self) -> usize {
-        let index = self.words.iter().take(Self::groups_across(self.side).pow(2));
+        let index = self.words.iter().take(self.index_len());
         index.map(|word| (word & 0xffff).count_ones() as usize).sum()
-    }
-
-    /// Every occupied block as a shader reads it, in the order of the entries: header, code of the commonest roof, place of the
-    /// texels' own codes, 0.
-    pub fn block_records(&self) -> impl Iterator<Item = [u32; 4]> {
-        /// The header of a block that lies under one roof.
-        const UNIFORM: u32 = 0x5555_5555;
-        let first = Self::groups_across(self.side).pow(2);
-        (first..first + self.occupied_count()).map(|entry| match CellKind::from_code(self.word(entry)) {
-            CellKind::List(place) => {
-                let place = place as usize;
-                let header = self.word(place);
-                let has_main = (0..TEXELS).any(|texel| (header >> (2 * texel)) & 3 == TEXEL_MAIN);
-                let own = place + 1 + usize::from(has_main);
-                [header, self.word(place + 1), own as u32, 0]
-            }
-            _ => [UNIFORM, self.word(entry), 0, 0],
-        })
     }
 
     /// The same map over ground that goes down to `lowest` metres.
@@ -211,7 +192,8 @@ impl BuildingMap {
         self
     }
 
-    fn word(&self, place: usize) -> u32 {
+    /// The word at a place, 0 beyond the last.
+    pub fn word(&self, place: usize) -> u32 {
         self.words.get(place).copied().unwrap_or(0)
     }
 

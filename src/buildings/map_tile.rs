@@ -1,6 +1,6 @@
 //! A tile's building map as rays walk it.
 
-use super::{BuildingMap, Pyramid};
+use super::{BuildingMap, DeviceMap, Pyramid};
 
 /// A building map with its pyramid.
 #[derive(Clone, Debug)]
@@ -20,8 +20,12 @@ impl MapTile {
         }
     }
 
-    /// Bytes that a map takes on the device, pyramid included.
+    /// Bytes that a map takes on the device: words, and a length along the outline for every vertex; a record of 16 bytes for every
+    /// vertex, roof and occupied block; its pyramid.
     pub fn bytes_of(map: &BuildingMap) -> u64 {
-        (map.bytes() + Pyramid::bytes(map.side)) as u64
+        let device = DeviceMap::new(map);
+        let words = device.words.len() + map.vertices.len();
+        let records = map.vertices.len() + map.roofs.len() + device.blocks.len();
+        (4 * words + 16 * records + Pyramid::bytes(map.side)) as u64
     }
 }

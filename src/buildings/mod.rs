@@ -4,6 +4,7 @@
 mod building;
 mod cell;
 mod coarser;
+mod device_map;
 mod map;
 mod map_tile;
 mod pyramid;
@@ -12,7 +13,8 @@ mod rasterise;
 pub use building::{Building, NoGround, base_of, triangle_bytes};
 pub use cell::{CELL, CellFields, CellKind, Full, Run};
 pub use coarser::coarser;
-pub use map::{BLOCK, Block, BuildingMap, OutlineVertex, RoofRecord, TEXEL_MAIN, TEXEL_OWN};
+pub use device_map::DeviceMap;
+pub use map::{BLOCK, Block, BuildingMap, OutlineVertex, RoofRecord, TEXEL_MAIN};
 pub use map_tile::MapTile;
 pub use pyramid::{Pyramid, STEPS as PYRAMID_STEPS};
 pub use rasterise::{MapTooLarge, rasterise};

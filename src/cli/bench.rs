@@ -73,7 +73,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
         None => default_views(&city, args.size)?,
     };
     let gpu = Gpu::open().map_err(RenderError::from)?;
-    let mut renderer = Renderer::open(gpu, &city, args.pool.options(TerrainMesh::Tin, false))?;
+    let mut renderer = Renderer::open(gpu, &city, args.pool.options(TerrainMesh::Tin))?;
     let buildings = renderer.load_polygons(&city)?;
     let sun = sun(None, city.manifest().place)?;
     let mut rows = Vec::new();

@@ -8,7 +8,7 @@ use super::CommandError;
 use super::camera_flags::CameraFlags;
 use super::pool_flags::PoolFlags;
 use crate::city::City;
-use crate::scene::TerrainMesh;
+use crate::scene::{PoolOptions, TerrainMesh};
 use crate::space::Pose;
 use crate::viewer::{Clock, ViewerOptions, run as run_viewer};
 
@@ -70,7 +70,10 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
         flare: args.camera.flare(&camera)?,
         optics: camera.optics,
         city,
-        pool: args.pool.options(TerrainMesh::Tin, true),
+        pool: PoolOptions {
+            streams: true,
+            ..args.pool.options(TerrainMesh::Tin)
+        },
         pose,
         clock,
         size: args.size,

@@ -15,11 +15,11 @@ pub struct PoolFlags {
 
 impl PoolFlags {
     /// The pool's options.
-    pub fn options(&self, mesh: TerrainMesh, streams: bool) -> PoolOptions {
+    pub fn options(&self, mesh: TerrainMesh) -> PoolOptions {
         PoolOptions {
             mesh,
             budget: 1_000_000 * self.memory,
-            streams,
+            ..PoolOptions::default()
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{FrameRequest, Intermediate, RenderError, Renderer, write_depth, write_ids, write_png};
 use crate::relief::ReliefMode;
-use crate::scene::TerrainMesh;
+use crate::scene::{PoolOptions, TerrainMesh};
 use crate::space::Pose;
 
 /// Flags of `render`.
@@ -89,7 +89,12 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         TerrainMesh::Tin
     };
     let gpu = Gpu::open().map_err(RenderError::from)?;
-    let mut renderer = Renderer::open(gpu, &city, args.pool.options(mesh, false))?;
+    let options = PoolOptions {
+        // Only the sun's way into a lens is cast on the CPU.
+        casts_rays: flare.is_some(),
+        ..args.pool.options(mesh)
+    };
+    let mut renderer = Renderer::open(gpu, &city, options)?;
     if args.relief == ReliefMode::Polygons {
         renderer.load_polygons(&city)?;
     }

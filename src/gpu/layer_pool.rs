@@ -87,7 +87,7 @@ impl LayerPool {
     /// # Errors
     /// When the device allows no more layers.
     pub fn reserve(&mut self, gpu: &Gpu, images: u32) -> Result<bool, GpuError> {
-        let wanted = self.count() + images;
+        let wanted = (self.count() + images).min(Self::capacity(gpu));
         let grows = wanted > self.texture.depth_or_array_layers();
         if grows {
             self.grow_to(gpu, wanted)?;

@@ -12,7 +12,7 @@ const TERRAIN_PIXELS: f64 = 0.0078125;
 /// An imagery texel may be as large as this part of a pixel.
 const IMAGERY_PIXELS: f64 = 1.0;
 /// What is not in view may be as much coarser: the sun and the cursor meet it at most.
-const UNSEEN: f64 = 8.0;
+const UNSEEN: f64 = 32.0;
 /// How far a shadow into the view is followed, metres.
 const MAX_SHADOW_M: f64 = 4000.0;
 

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::SceneError;
-use crate::buildings::{BuildingMap, MapTile};
+use crate::buildings::{BuildingMap, DeviceMap, MapTile};
 use crate::gpu::{Gpu, RecordPool, Run, TexelPool};
 
 /// Words along a row of the pool of words; shaders have it as `POOL_WORDS`.
@@ -40,6 +40,16 @@ pub struct VertexRecord {
     pub fid: u32,
 }
 
+/// A map that was put.
+pub struct MapPut {
+    /// Where.
+    pub slot: u32,
+    /// Bytes on the device.
+    pub bytes: u64,
+    /// Whether what shaders read was made anew for it.
+    pub is_new: bool,
+}
+
 /// The building maps of all resident tiles.
 pub struct MapPool {
     /// Records of the tiles, by slot.
@@ -66,25 +76,29 @@ impl MapPool {
         })
     }
 
-    /// Makes room for maps; true when what shaders read was made anew.
-    pub fn reserve(&mut self, gpu: &Gpu, maps: &[&MapTile]) -> bool {
-        let words = maps
+    /// Makes room for maps as many times as those given; true when what shaders read was made anew.
+    pub fn reserve(&mut self, gpu: &Gpu, maps: &[&MapTile], times: f64) -> bool {
+        let sizes = maps
             .iter()
-            .map(|tile| (tile.map.words.len() + tile.map.vertices.len()) as u64);
-        let quads = maps.iter().map(|&tile| quad_count(tile));
-        let words = self.words.reserve(gpu, words.sum());
-        self.quads.reserve(gpu, quads.map(|count| count as u64).sum()) || words
+            .map(|tile| [tile.map.words.len() + tile.map.vertices.len(), quad_count(tile)]);
+        let [words, quads] = sizes.fold([0, 0], |[a, b], [words, quads]| [a + words, b + quads]);
+        let [words, quads] = [words, quads].map(|count| (count as f64 * times) as u64);
+        let words = self.words.reserve(gpu, words);
+        self.quads.reserve(gpu, quads) || words
     }
 
-    /// Puts a map; its slot, and true when what shaders read was made anew.
+    /// Puts a map; its slot, its bytes, and true when what shaders read was made anew.
     ///
     /// # Errors
     /// When the device holds no more.
-    pub fn put(&mut self, gpu: &Gpu, MapTile { map, pyramid }: &MapTile) -> Result<(u32, bool), SceneError> {
+    pub fn put(&mut self, gpu: &Gpu, MapTile { map, pyramid }: &MapTile) -> Result<MapPut, SceneError> {
+        let device = DeviceMap::new(map);
         let lengths = map.vertices.iter().rev().map(|vertex| vertex.along_m.to_bits());
-        let words: Vec<u32> = lengths.chain(map.words.iter().copied()).collect();
+        let words: Vec<u32> = lengths.chain(device.words).collect();
+        let quads = quads_of(map, pyramid.nodes(), &device.blocks);
+        let bytes = (size_of_val(&words[..]) + size_of_val(&quads[..])) as u64;
         let (words, grows_words) = self.words.put(gpu, &words)?;
-        let (quads, grows_quads) = match self.quads.put(gpu, &quads_of(map, pyramid.nodes())) {
+        let (quads, grows_quads) = match self.quads.put(gpu, &quads) {
             Ok(put) => put,
             Err(error) => {
                 self.words.free(words);
@@ -107,7 +121,11 @@ impl MapPool {
             self.runs.resize(slot as usize + 1, None);
         }
         self.runs[slot as usize] = Some([words, quads]);
-        Ok((slot, grows_words || grows_quads || grows_slots))
+        Ok(MapPut {
+            slot,
+            bytes,
+            is_new: grows_words || grows_quads || grows_slots,
+        })
     }
 
     /// Drops a map.
@@ -135,7 +153,7 @@ fn quad_count(MapTile { map, pyramid }: &MapTile) -> usize {
 }
 
 /// A map's roofs, the last first, the nodes of its pyramid, its outline vertices, its occupied blocks.
-fn quads_of(map: &BuildingMap, nodes: &[[u32; 4]]) -> Vec<[u32; 4]> {
+fn quads_of(map: &BuildingMap, nodes: &[[u32; 4]], blocks: &[[u32; 4]]) -> Vec<[u32; 4]> {
     let roofs = map.roofs.iter().rev().map(|roof| VertexRecord {
         position: [0.0; 2],
         roof_m: roof.roof_m,
@@ -153,6 +171,6 @@ fn quads_of(map: &BuildingMap, nodes: &[[u32; 4]]) -> Vec<[u32; 4]> {
         .map(bytemuck::cast)
         .chain(nodes.iter().copied())
         .chain(vertices.map(bytemuck::cast))
-        .chain(map.block_records())
+        .chain(blocks.iter().copied())
         .collect()
 }

@@ -20,7 +20,6 @@ use super::terrain_pool::{TerrainMesh, TerrainPool};
 use super::tile_set::{GroundTile, TileSet};
 use super::tile_table::table_code;
 use super::{IMAGERY, MAPS, SceneError, TERRAIN};
-use crate::buildings::MapTile;
 use crate::city::{City, Layer};
 use crate::gpu::{Gpu, LayerPool, TableTexture};
 use crate::space::{Projection, Sun, TileId};
@@ -32,6 +31,8 @@ pub struct PoolOptions {
     pub mesh: TerrainMesh,
     /// Bytes of tiles on the device.
     pub budget: u64,
+    /// Tiles are held on the CPU as well: for picking, the sun's visible fraction, counting reads.
+    pub casts_rays: bool,
     /// Frames do not wait for tiles: coarser ones stand for those that are on their way.
     pub streams: bool,
 }
@@ -44,6 +45,7 @@ impl Default for PoolOptions {
         Self {
             mesh: TerrainMesh::Tin,
             budget: DEFAULT_BUDGET,
+            casts_rays: true,
             streams: false,
         }
     }
@@ -359,15 +361,23 @@ impl Resident {
     fn load_all(&mut self, gpu: &Gpu) -> Result<(), SceneError> {
         let mut has_loaded = false;
         loop {
-            let missing = self.missing();
+            let mut missing = self.missing();
             if missing.is_empty() {
                 break;
             }
+            // Layers and places mixed, so that the first few are like the rest.
+            missing
+                .sort_by_key(|(_, id)| (id.x.wrapping_mul(2_654_435_761) ^ id.y.wrapping_mul(40_503)) >> 3);
             has_loaded = true;
             self.make_room(0);
-            for batch in missing.chunks(BATCH) {
+            for (k, batch) in missing.chunks(BATCH).enumerate() {
                 let readings = read_all(&self.city, batch);
-                self.reserve(gpu, &readings)?;
+                // The first few tell how much room the others take.
+                let times = match k {
+                    0 => missing.len() as f64 / batch.len() as f64,
+                    _ => 1.0,
+                };
+                self.reserve(gpu, &readings, times)?;
                 for reading in readings {
                     self.take(gpu, reading)?;
                 }
@@ -382,8 +392,8 @@ impl Resident {
         Ok(())
     }
 
-    /// Makes room for tiles at once, so that the pools do not grow for each of them.
-    fn reserve(&mut self, gpu: &Gpu, readings: &[Reading]) -> Result<(), SceneError> {
+    /// Makes room for tiles at once, as many times as those read, so that the pools do not grow for each of them.
+    fn reserve(&mut self, gpu: &Gpu, readings: &[Reading], times: f64) -> Result<(), SceneError> {
         let mut maps = Vec::new();
         let mut terrain = Vec::new();
         let mut imagery = 0;
@@ -396,9 +406,11 @@ impl Resident {
             }
         }
         let grows = [
-            self.maps.reserve(gpu, &maps),
-            self.terrain.reserve(gpu, &terrain)?,
-            self.imagery.layers.reserve(gpu, imagery)?,
+            self.maps.reserve(gpu, &maps, times),
+            self.terrain.reserve(gpu, &terrain, times)?,
+            self.imagery
+                .layers
+                .reserve(gpu, (f64::from(imagery) * times) as u32)?,
         ];
         self.bindings += u64::from(grows.contains(&true));
         Ok(())
@@ -465,17 +477,20 @@ impl Resident {
                     heights: terrain.ground,
                     bounds: maxima,
                 };
-                self.tiles.put_ground(put.0, Some(ground));
+                if self.options.casts_rays {
+                    self.tiles.put_ground(put.0, Some(ground));
+                }
                 (Some(put), self.terrain.tile_bytes() + indices as u64)
             }
             Loaded::Map(tile) => {
                 if is_root {
                     [bounds.min_ground, bounds.max_roof] = tile.map.height_range;
                 }
-                let bytes = MapTile::bytes_of(&tile.map);
                 let put = self.maps.put(gpu, &tile)?;
-                self.tiles.put_map(put.0, Some(*tile));
-                (Some(put), bytes)
+                if self.options.casts_rays {
+                    self.tiles.put_map(put.slot, Some(*tile));
+                }
+                (Some((put.slot, put.is_new)), put.bytes)
             }
             Loaded::Imagery(imagery) => {
                 let put = self.imagery.put(gpu, imagery)?;

@@ -86,16 +86,16 @@ impl TerrainPool {
         })
     }
 
-    /// Makes room for tiles; true when what shaders read was made anew.
+    /// Makes room for tiles as many times as those given; true when what shaders read was made anew.
     ///
     /// # Errors
     /// When the device allows no more.
-    pub fn reserve(&mut self, gpu: &Gpu, tiles: &[&TerrainTile]) -> Result<bool, SceneError> {
+    pub fn reserve(&mut self, gpu: &Gpu, tiles: &[&TerrainTile], times: f64) -> Result<bool, SceneError> {
         // A tenth for skirts.
         let triangles = tiles.iter().flat_map(|tile| &tile.meshes).map(Vec::len);
-        self.indices
-            .reserve(gpu, triangles.sum::<usize>() as u64 * 33 / 10);
-        let count = tiles.len() as u32;
+        let indices = triangles.sum::<usize>() as f64 * 3.3 * times;
+        self.indices.reserve(gpu, indices as u64);
+        let count = (tiles.len() as f64 * times) as u32;
         let heights = self.heights.reserve(gpu, count)?;
         Ok(self.bounds.reserve(gpu, count)? || heights)
     }

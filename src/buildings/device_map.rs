@@ -1,0 +1,63 @@
+//! A building map as shaders read it: the index and the texels' own codes as they are, and one record for each occupied block in place
+//! of its entry and header, so that a block is one read.
+
+use super::cell::CellKind;
+use super::map::{BLOCK, Block, BuildingMap, TEXEL_MAIN, TEXEL_OWN, TEXELS};
+
+/// The integers of a map on the device.
+pub struct DeviceMap {
+    /// Index, the texels' own codes block after block, lists. Places count from the first word.
+    pub words: Vec<u32>,
+    /// Header, code of the commonest roof, place of the texels' own codes, 0; in the order of the entries.
+    pub blocks: Vec<[u32; 4]>,
+}
+
+/// The header of a block that lies under one roof.
+const UNIFORM: u32 = 0x5555_5555;
+
+impl DeviceMap {
+    /// Of a map.
+    pub fn new(map: &BuildingMap) -> Self {
+        let index = map.index_len();
+        let mut words: Vec<u32> = map.words[..index].to_vec();
+        let mut blocks = Vec::with_capacity(map.occupied_count());
+        let across = BLOCK * BuildingMap::groups_across(map.side);
+        // Lists are the last words: where they begin is told by the first that is named.
+        let (mut list_codes, mut first_list) = (Vec::new(), map.words.len());
+        for k in 0..across * across {
+            // Group after group, as entries lie.
+            let (group, in_group) = (k / TEXELS, k % TEXELS);
+            let groups = across / BLOCK;
+            let column = BLOCK * (group % groups) + in_group % BLOCK;
+            let row = BLOCK * (group / groups) + in_group / BLOCK;
+            match map.block(column, row) {
+                Block::Empty => {}
+                Block::Uniform(code) => blocks.push([UNIFORM, code, 0, 0]),
+                Block::Record(place) => {
+                    let header = map.word(place);
+                    let kinds =
+                        |kind: u32| (0..TEXELS).filter(move |texel| (header >> (2 * texel)) & 3 == kind);
+                    let has_main = kinds(TEXEL_MAIN).next().is_some();
+                    let main = if has_main { map.word(place + 1) } else { 0 };
+                    blocks.push([header, main, words.len() as u32, 0]);
+                    let first = place + 1 + usize::from(has_main);
+                    for own in first..first + kinds(TEXEL_OWN).count() {
+                        if let CellKind::List(list) = CellKind::from_code(map.word(own)) {
+                            first_list = first_list.min(list as usize);
+                            list_codes.push(words.len());
+                        }
+                        words.push(map.word(own));
+                    }
+                }
+            }
+        }
+        let moved = words.len();
+        words.extend(&map.words[first_list..]);
+        for place in list_codes {
+            if let CellKind::List(list) = CellKind::from_code(words[place]) {
+                words[place] = CellKind::List((moved + list as usize - first_list) as u32).code();
+            }
+        }
+        Self { words, blocks }
+    }
+}
