@@ -1,9 +1,8 @@
 // The building maps of all resident tiles. Host: src/buildings/map.rs, which tells how words lie, and src/scene/map_pool.rs.
 
-// A record is read as one vector of 16 bytes: a software device reads each member of a structure on its own.
 struct TileRecord {
     // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them, the
-    // first the nearest.
+    // first the nearest; before those this record.
     quad_base: u32,
     // The tile's first word in `map_words`: the lengths along its outlines stand before it, the first vertex's the nearest.
     word_base: u32,
@@ -25,10 +24,9 @@ struct VertexRecord {
     fid: u32,
 }
 
-@group(1) @binding(1) var<storage, read> slots: array<vec4<u32>>;
 // Counted row by row, POOL_WORDS and POOL_QUADS a row. Textures, because a software device gathers from those for all lanes at once.
-@group(1) @binding(2) var map_words: texture_2d<u32>;
-@group(1) @binding(3) var map_quads: texture_2d<u32>;
+@group(1) @binding(1) var map_words: texture_2d<u32>;
+@group(1) @binding(2) var map_quads: texture_2d<u32>;
 
 fn word_at(place: u32) -> u32 {
     return textureLoad(map_words, vec2<u32>(place % POOL_WORDS, place / POOL_WORDS), 0).x;
@@ -38,9 +36,9 @@ fn quad_at(place: u32) -> vec4<u32> {
     return textureLoad(map_quads, vec2<u32>(place % POOL_QUADS, place / POOL_QUADS), 0);
 }
 
-fn slot_at(index: i32) -> TileRecord {
-    let record = slots[2 * index];
-    let block_base = slots[2 * index + 1].x;
+fn slot_at(place: i32) -> TileRecord {
+    let record = quad_at(u32(place));
+    let block_base = quad_at(u32(place) + 1u).x;
     return TileRecord(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w), block_base, 0u, 0u, 0u);
 }
 

@@ -7,11 +7,11 @@ struct GroundRecord {
     layer: u32,
 }
 
-@group(1) @binding(4) var<storage, read> ground_tiles: array<GroundRecord>;
+@group(1) @binding(3) var<storage, read> ground_tiles: array<GroundRecord>;
 // Metres above the vertical datum, a sample a texel, row by row from the south.
-@group(1) @binding(5) var heights: texture_2d_array<f32>;
+@group(1) @binding(4) var heights: texture_2d_array<f32>;
 // Highest ground of square blocks, GROUND_BLOCKS along a tile's side on level 0.
-@group(1) @binding(6) var ground_bounds: texture_2d_array<f32>;
+@group(1) @binding(5) var ground_bounds: texture_2d_array<f32>;
 
 // The four samples round a lattice cell: south-west, south-east, north-west, north-east.
 fn cell_heights(cell: vec2<i32>, layer: u32) -> vec4<f32> {

@@ -1,7 +1,8 @@
 // Which tiles are resident: for every tile of the grid, the tile that stands for it in each layer, itself or a coarser one over it.
 // Host: src/scene/tile_table.rs.
 
-// Building map, imagery, terrain: the slot and one more, 0 = none, and from TABLE_LEVEL_SHIFT on the level.
+// Building map, imagery, terrain: the slot and one more, 0 = none, and from TABLE_LEVEL_SHIFT on the level. Then where the record of
+// the building map lies.
 @group(1) @binding(0) var tile_table: texture_2d<u32>;
 
 struct TableEntry {
@@ -22,10 +23,12 @@ fn tile_over(tile: vec2<i32>, level: u32) -> vec2<i32> { return (tile >> vec2<u3
 // Side of a tile of a level, metres.
 fn level_tile_m(level: u32) -> f32 { return frame.tile_m * f32(1u << level); }
 
-// The building map over a tile of the grid.
+// The building map over a tile of the grid; its slot is the place of its record in `map_quads`.
 fn map_entry(tile: vec2<i32>) -> TableEntry {
     if !is_in_grid(tile) { return TableEntry(-1, 0u); }
-    return table_entry(textureLoad(tile_table, tile, 0).x);
+    let codes = textureLoad(tile_table, tile, 0);
+    let entry = table_entry(codes.x);
+    return TableEntry(select(-1, i32(codes.w), entry.slot >= 0), entry.level);
 }
 
 // The imagery over a tile of the grid; its slot is a layer.

@@ -74,7 +74,22 @@ impl TexelPool {
     /// # Errors
     /// When the largest texture of the device is full.
     pub fn put<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, texels: &[T]) -> Result<(Run, bool), GpuError> {
-        let pages = (texels.len() as u32).div_ceil(PAGE).max(1);
+        let (run, grows) = self.take(gpu, texels.len() as u32)?;
+        self.fill(gpu, &run, texels);
+        Ok((run, grows))
+    }
+
+    /// Writes what a run holds.
+    pub fn fill<T: bytemuck::NoUninit>(&self, gpu: &Gpu, run: &Run, texels: &[T]) {
+        self.write(gpu, run.first, bytemuck::cast_slice(texels));
+    }
+
+    /// Takes a run of some texels, to be filled; true beside it when the texture was made anew for it.
+    ///
+    /// # Errors
+    /// When the largest texture of the device is full.
+    pub fn take(&mut self, gpu: &Gpu, texels: u32) -> Result<(Run, bool), GpuError> {
+        let pages = texels.div_ceil(PAGE).max(1);
         let limit = u64::from(gpu.device.limits().max_texture_dimension_2d) * u64::from(self.width);
         let full = |this: &Self| gpu.require(this.label, limit + 1, limit);
         let Some(allocation) = self.allocator.allocate(pages) else {
@@ -92,7 +107,6 @@ impl TexelPool {
         if grows {
             self.reserve_rows(gpu, rows + rows / 8);
         }
-        self.write(gpu, run.first, bytemuck::cast_slice(texels));
         Ok((run, grows))
     }
 

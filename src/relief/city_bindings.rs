@@ -15,9 +15,8 @@ pub struct CityBindings {
 
 impl CityBindings {
     /// What the shaders declare, in order.
-    pub const TYPES: [wgpu::BindingType; 7] = [
+    pub const TYPES: [wgpu::BindingType; 6] = [
         texture(Uint),
-        RECORDS,
         texture(Uint),
         texture(Uint),
         RECORDS,
@@ -44,7 +43,6 @@ impl CityBindings {
         let (maps, terrain) = (&resident.maps, &resident.terrain);
         let resources = [
             TextureView(&resident.tile_table.view),
-            maps.slots.buffer.as_entire_binding(),
             TextureView(&maps.words.view),
             TextureView(&maps.quads.view),
             terrain.records.buffer.as_entire_binding(),

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::SceneError;
-use crate::buildings::{BuildingMap, DeviceMap, MapTile};
-use crate::gpu::{Gpu, RecordPool, Run, TexelPool};
+use crate::buildings::{DeviceMap, MapTile};
+use crate::gpu::{Gpu, Run, TexelPool};
 
 /// Words along a row of the pool of words; shaders have it as `POOL_WORDS`.
 pub const POOL_WORDS: u32 = 8192;
@@ -27,6 +27,9 @@ pub struct TileRecord {
     pub padding_b: u32,
     pub padding_c: u32,
 }
+
+/// Records of 16 bytes that a tile's record takes.
+const RECORD_QUADS: u32 = (size_of::<TileRecord>() / size_of::<[u32; 4]>()) as u32;
 
 /// A vertex of an outline, or a roof; layout of `VertexRecord` in `shaders/lib/building_map.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -52,13 +55,13 @@ pub struct MapPut {
 
 /// The building maps of all resident tiles.
 pub struct MapPool {
-    /// Records of the tiles, by slot.
-    pub slots: RecordPool<TileRecord>,
     /// Lengths along outlines, and the maps' words.
     pub words: TexelPool,
-    /// Roofs, nodes of the pyramids, outline vertices.
+    /// Of each tile its record, roofs, nodes of the pyramid, outline vertices, blocks.
     pub quads: TexelPool,
+    /// By slot.
     runs: Vec<Option<[Run; 2]>>,
+    free: Vec<u32>,
 }
 
 impl MapPool {
@@ -69,10 +72,10 @@ impl MapPool {
     pub fn new(gpu: &Gpu) -> Result<Self, SceneError> {
         use wgpu::TextureFormat::{R32Uint, Rgba32Uint};
         Ok(Self {
-            slots: RecordPool::new(gpu, "building map slots"),
             words: TexelPool::new(gpu, "building map words", R32Uint, POOL_WORDS)?,
             quads: TexelPool::new(gpu, "building map records", Rgba32Uint, POOL_QUADS)?,
             runs: Vec::new(),
+            free: Vec::new(),
         })
     }
 
@@ -91,41 +94,51 @@ impl MapPool {
     ///
     /// # Errors
     /// When the device holds no more.
-    pub fn put(&mut self, gpu: &Gpu, MapTile { map, pyramid }: &MapTile) -> Result<MapPut, SceneError> {
+    pub fn put(&mut self, gpu: &Gpu, tile: &MapTile) -> Result<MapPut, SceneError> {
+        let MapTile { map, pyramid } = tile;
         let device = DeviceMap::new(map);
         let lengths = map.vertices.iter().rev().map(|vertex| vertex.along_m.to_bits());
         let words: Vec<u32> = lengths.chain(device.words).collect();
-        let quads = quads_of(map, pyramid.nodes(), &device.blocks);
-        let bytes = (size_of_val(&words[..]) + size_of_val(&quads[..])) as u64;
+        let bytes = size_of_val(&words[..]) as u64;
         let (words, grows_words) = self.words.put(gpu, &words)?;
-        let (quads, grows_quads) = match self.quads.put(gpu, &quads) {
-            Ok(put) => put,
+        // Where the record lies is told by the room that the quads get.
+        let count = quad_count(tile);
+        let (quads, grows_quads) = match self.quads.take(gpu, count as u32) {
+            Ok(taken) => taken,
             Err(error) => {
                 self.words.free(words);
                 return Err(error.into());
             }
         };
-        let quad_base = quads.first + map.roofs.len() as u32;
+        let quad_base = quads.first + RECORD_QUADS + map.roofs.len() as u32;
         let record = TileRecord {
             quad_base,
+            word_base: words.first + map.vertices.len() as u32,
+            min_height: pyramid.min_height(),
+            max_height: pyramid.max_height(),
             block_base: quad_base + (pyramid.nodes().len() + map.vertices.len()) as u32,
             padding_a: 0,
             padding_b: 0,
             padding_c: 0,
-            word_base: words.first + map.vertices.len() as u32,
-            min_height: pyramid.min_height(),
-            max_height: pyramid.max_height(),
         };
-        let (slot, grows_slots) = self.slots.put(gpu, record)?;
+        let texels = quads_of(record, tile, &device.blocks);
+        self.quads.fill(gpu, &quads, &texels);
+        let slot = self.free.pop().unwrap_or(self.runs.len() as u32);
         if self.runs.len() <= slot as usize {
-            self.runs.resize(slot as usize + 1, None);
+            self.runs.push(None);
         }
         self.runs[slot as usize] = Some([words, quads]);
         Ok(MapPut {
             slot,
-            bytes,
-            is_new: grows_words || grows_quads || grows_slots,
+            bytes: bytes + size_of_val(&texels[..]) as u64,
+            is_new: grows_words || grows_quads,
         })
+    }
+
+    /// Where the record of a map lies in the quads.
+    pub fn record_place(&self, slot: u32) -> u32 {
+        let runs = self.runs.get(slot as usize).and_then(Option::as_ref);
+        runs.map_or(0, |[_, quads]| quads.first)
     }
 
     /// Drops a map.
@@ -133,7 +146,7 @@ impl MapPool {
         if let Some([words, quads]) = self.runs.get_mut(slot as usize).and_then(Option::take) {
             self.words.free(words);
             self.quads.free(quads);
-            self.slots.free(slot);
+            self.free.push(slot);
         }
     }
 
@@ -149,11 +162,15 @@ impl MapPool {
 }
 
 fn quad_count(MapTile { map, pyramid }: &MapTile) -> usize {
-    map.roofs.len() + pyramid.nodes().len() + map.vertices.len() + map.occupied_count()
+    RECORD_QUADS as usize
+        + map.roofs.len()
+        + pyramid.nodes().len()
+        + map.vertices.len()
+        + map.occupied_count()
 }
 
-/// A map's roofs, the last first, the nodes of its pyramid, its outline vertices, its occupied blocks.
-fn quads_of(map: &BuildingMap, nodes: &[[u32; 4]], blocks: &[[u32; 4]]) -> Vec<[u32; 4]> {
+/// A map's record, its roofs, the last first, the nodes of its pyramid, its outline vertices, its occupied blocks.
+fn quads_of(record: TileRecord, MapTile { map, pyramid }: &MapTile, blocks: &[[u32; 4]]) -> Vec<[u32; 4]> {
     let roofs = map.roofs.iter().rev().map(|roof| VertexRecord {
         position: [0.0; 2],
         roof_m: roof.roof_m,
@@ -167,9 +184,10 @@ fn quads_of(map: &BuildingMap, nodes: &[[u32; 4]], blocks: &[[u32; 4]]) -> Vec<[
             fid: roof.fid,
         }
     });
-    roofs
-        .map(bytemuck::cast)
-        .chain(nodes.iter().copied())
+    bytemuck::cast::<TileRecord, [[u32; 4]; RECORD_QUADS as usize]>(record)
+        .into_iter()
+        .chain(roofs.map(bytemuck::cast))
+        .chain(pyramid.nodes().iter().copied())
         .chain(vertices.map(bytemuck::cast))
         .chain(blocks.iter().copied())
         .collect()

@@ -34,3 +34,5 @@ pub use tile_table::{TABLE_LEVEL_SHIFT, TileTable, level_and_slot};
 const MAPS: usize = 0;
 const IMAGERY: usize = 1;
 const TERRAIN: usize = 2;
+/// After them: where the record of the building map lies.
+const MAP_RECORD: usize = 3;

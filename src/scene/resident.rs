@@ -19,7 +19,7 @@ use super::map_pool::MapPool;
 use super::terrain_pool::{TerrainMesh, TerrainPool};
 use super::tile_set::{GroundTile, TileSet};
 use super::tile_table::table_code;
-use super::{IMAGERY, MAPS, SceneError, TERRAIN};
+use super::{IMAGERY, MAP_RECORD, MAPS, SceneError, TERRAIN};
 use crate::city::{City, Layer};
 use crate::gpu::{Gpu, LayerPool, TableTexture};
 use crate::space::{Projection, Sun, TileId};
@@ -568,6 +568,10 @@ impl Resident {
             for id in cover {
                 let slot = self.entries.get(&(layer, id)).and_then(|entry| entry.slot);
                 self.tiles.table.fill(layer, id, table_code(id.level, slot));
+                if layer == MAPS {
+                    let place = slot.map_or(0, |slot| self.maps.record_place(slot));
+                    self.tiles.table.fill(MAP_RECORD, id, place);
+                }
                 if layer == TERRAIN {
                     self.ground_cover.extend(slot);
                 }

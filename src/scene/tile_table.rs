@@ -18,7 +18,7 @@ pub fn level_and_slot(code: u32) -> (u32, Option<u32>) {
     (code >> TABLE_LEVEL_SHIFT, slot)
 }
 
-/// Codes of building map, imagery and terrain; the last element is not used.
+/// Codes of building map, imagery and terrain, and where the record of the building map lies.
 #[derive(Clone, Debug)]
 pub struct TileTable {
     grid: TileGrid,
