@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rilievo::buildings::Pyramid;
+use rilievo::buildings::{CellKind, DeviceMap, Pyramid};
 use rilievo::city::City;
 use support::{import_arguments, rilievo, sample, succeed};
 
@@ -299,4 +299,48 @@ fn a_region_has_the_buildings_asked_for() {
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(1), "{said}");
     assert!(said.contains("fit") && said.contains("--km2"), "{said}");
+}
+
+/// What shaders read of a building map, read as they do, says of every texel what the map says.
+#[test]
+fn the_device_reads_the_same_codes() {
+    let city = City::open(&sample().join("city")).unwrap();
+    let grid = city.manifest().grid;
+    let (mut texels, mut lists) = (0, 0);
+    for id in (0..grid.levels()).flat_map(|level| grid.tiles_of_level(level)) {
+        let Some(map) = city.buildings(id).unwrap() else {
+            continue;
+        };
+        let device = DeviceMap::new(&map);
+        let groups = map.side / 16;
+        for ([column, row], codes) in map.occupied_blocks() {
+            let index = device.words[row / 4 * groups + column / 4];
+            let bit = row % 4 * 4 + column % 4;
+            assert!(index & (1 << bit) != 0);
+            let before = (index & ((1 << bit) - 1)).count_ones();
+            let [header, main, own, _] = device.blocks[((index >> 16) + before) as usize];
+            let mut own = own as usize;
+            for (texel, &code) in codes.iter().enumerate() {
+                let read = match (header >> (2 * texel)) & 3 {
+                    0 => 0,
+                    1 => main,
+                    _ => {
+                        own += 1;
+                        device.words[own - 1]
+                    }
+                };
+                texels += 1;
+                match (CellKind::from_code(code), CellKind::from_code(read)) {
+                    (CellKind::List(_), CellKind::List(place)) => {
+                        let place = place as usize;
+                        let count = device.words[place] as usize;
+                        assert_eq!(map.codes(code), &device.words[place + 1..place + 1 + count]);
+                        lists += 1;
+                    }
+                    _ => assert_eq!(code, read, "{id:?}, block {column} {row}, texel {texel}"),
+                }
+            }
+        }
+    }
+    assert!(texels > 100_000 && lists > 1000, "{texels} texels, {lists} lists");
 }

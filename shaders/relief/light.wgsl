@@ -89,18 +89,26 @@ const SKY_RAY_M: f32 = 60.0;
 const WALL_LIGHT: f32 = 0.45;
 const GROUND_LIGHT: f32 = 0.8;
 
-// Fraction of the sky's light that comes along one ray.
-fn sky_fraction(start: vec3<f32>, direction: vec3<f32>) -> f32 {
-    if direction.z <= 0.0 { return GROUND_LIGHT; }
-    let is_open = walk_city(make_ray(start, direction), 0.0, SKY_RAY_M).t >= FAR;
-    return select(WALL_LIGHT, 1.0, is_open);
+// What a surface gets along one ray to the sky and one to the sun: the fraction of the sky's light, and whether the sun is seen, past
+// buildings and the ground.
+struct Received {
+    sky: f32,
+    sun: bool,
 }
 
-// Whether a ray to the sun meets neither a building nor the ground.
-fn sees_sun(start: vec3<f32>, to_sun: vec3<f32>) -> bool {
-    let ray = make_ray(start, to_sun);
-    if walk_city(ray, 0.0, FAR).t < FAR { return false; }
-    return walk_ground(ray, 0.0, FAR) >= FAR;
+fn receive(start: vec3<f32>, normal: vec3<f32>, to_sky: vec3<f32>, to_sun: vec3<f32>) -> Received {
+    var received = Received(GROUND_LIGHT, false);
+    // One loop for both rays: a device that inlines the walk does so once.
+    for (var k = 0; k < 2; k += 1) {
+        let is_sky = k == 0;
+        let direction = select(to_sun, to_sky, is_sky);
+        if direction.z > 0.0 && dot(normal, direction) > 0.0 {
+            let is_open = walk_city(make_ray(start, direction), 0.0, select(FAR, SKY_RAY_M, is_sky)).t >= FAR;
+            if is_sky { received.sky = select(WALL_LIGHT, 1.0, is_open); } else { received.sun = is_open; }
+        }
+    }
+    if received.sun { received.sun = walk_ground(make_ray(start, to_sun), 0.0, FAR) >= FAR; }
+    return received;
 }
 
 // Numbers in 0..1 for a pixel's sample. In the plane: three low-discrepancy masks, so that neighbours differ evenly (R2: Roberts 2018;
@@ -149,11 +157,11 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let start = lifted(at, normal, is_ground);
     // The sky's half, cosine-weighted, and the sun's disc.
     let azimuth = 2.0 * PI * random.y;
-    let sky = sky_irradiance(normal) * sky_fraction(start, around(normal, sqrt(random.x), azimuth));
+    let to_sky = around(normal, sqrt(random.x), azimuth);
     let to_sun = around(frame.sun.xyz, frame.sun.w * sqrt(random.z), azimuth);
-    let facing = max(dot(normal, to_sun), 0.0);
-    var sun = vec3<f32>(0.0);
-    if facing > 0.0 && to_sun.z > 0.0 && sees_sun(start, to_sun) { sun = frame.sun_irradiance.xyz * facing; }
+    let received = receive(start, normal, to_sky, to_sun);
+    let sky = sky_irradiance(normal) * received.sky;
+    let sun = select(vec3<f32>(0.0), frame.sun_irradiance.xyz * dot(normal, to_sun), received.sun);
     let radiance = albedo / PI * (sun + sky);
     return Shaded(vec4<f32>(through_haze(radiance, direction, t), 1.0), t, id);
 }

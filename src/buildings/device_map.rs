@@ -2,7 +2,7 @@
 //! of its entry and header, so that a block is one read.
 
 use super::cell::CellKind;
-use super::map::{BLOCK, Block, BuildingMap, TEXEL_MAIN, TEXEL_OWN, TEXELS};
+use super::map::{Block, BuildingMap};
 
 /// The integers of a map on the device.
 pub struct DeviceMap {
@@ -21,27 +21,21 @@ impl DeviceMap {
         let index = map.index_len();
         let mut words: Vec<u32> = map.words[..index].to_vec();
         let mut blocks = Vec::with_capacity(map.occupied_count());
-        let across = BLOCK * BuildingMap::groups_across(map.side);
         // Lists are the last words: where they begin is told by the first that is named.
         let (mut list_codes, mut first_list) = (Vec::new(), map.words.len());
-        for k in 0..across * across {
-            // Group after group, as entries lie.
-            let (group, in_group) = (k / TEXELS, k % TEXELS);
-            let groups = across / BLOCK;
-            let column = BLOCK * (group % groups) + in_group % BLOCK;
-            let row = BLOCK * (group / groups) + in_group / BLOCK;
-            match map.block(column, row) {
+        for (_, block) in map.blocks() {
+            match block {
                 Block::Empty => {}
                 Block::Uniform(code) => blocks.push([UNIFORM, code, 0, 0]),
                 Block::Record(place) => {
                     let header = map.word(place);
-                    let kinds =
-                        |kind: u32| (0..TEXELS).filter(move |texel| (header >> (2 * texel)) & 3 == kind);
-                    let has_main = kinds(TEXEL_MAIN).next().is_some();
+                    // Of a texel's two bits the lower one tells the commonest roof, the upper one a code of its own.
+                    let has_main = header & UNIFORM != 0;
                     let main = if has_main { map.word(place + 1) } else { 0 };
                     blocks.push([header, main, words.len() as u32, 0]);
                     let first = place + 1 + usize::from(has_main);
-                    for own in first..first + kinds(TEXEL_OWN).count() {
+                    let count = (header & (UNIFORM << 1)).count_ones() as usize;
+                    for own in first..first + count {
                         if let CellKind::List(list) = CellKind::from_code(map.word(own)) {
                             first_list = first_list.min(list as usize);
                             list_codes.push(words.len());

@@ -206,30 +206,36 @@ impl BuildingMap {
             return Block::Empty;
         }
         let before = (index & ((1 << bit) - 1)).count_ones();
-        let entry = self.word(groups * groups + (index >> 16) as usize + before as usize);
+        self.block_of_entry(groups * groups + (index >> 16) as usize + before as usize)
+    }
+
+    fn block_of_entry(&self, entry: usize) -> Block {
+        let entry = self.word(entry);
         match CellKind::from_code(entry) {
             CellKind::List(place) => Block::Record(place as usize),
             _ => Block::Uniform(entry),
         }
     }
 
-    /// The code of a texel of a block.
-    pub fn code_in(&self, block: Block, texel: usize) -> u32 {
+    /// The codes of a block's texels.
+    pub fn codes_in(&self, block: Block) -> [u32; TEXELS] {
         match block {
-            Block::Empty => 0,
-            Block::Uniform(code) => code,
+            Block::Empty => [0; TEXELS],
+            Block::Uniform(code) => [code; TEXELS],
             Block::Record(place) => {
                 let header = self.word(place);
-                let kind = |texel: usize| (header >> (2 * texel)) & 3;
-                let has_main = (0..TEXELS).any(|texel| kind(texel) == TEXEL_MAIN);
-                match kind(texel) {
+                // Of two bits the lower one is set where a texel has the commonest roof.
+                let has_main = header & 0x5555_5555 != 0;
+                let main = self.word(place + 1);
+                let mut own = place + 1 + usize::from(has_main);
+                std::array::from_fn(|texel| match (header >> (2 * texel)) & 3 {
                     TEXEL_EMPTY => 0,
-                    TEXEL_MAIN => self.word(place + 1),
+                    TEXEL_MAIN => main,
                     _ => {
-                        let before = (0..texel).filter(|&other| kind(other) == TEXEL_OWN).count();
-                        self.word(place + 1 + usize::from(has_main) + before)
+                        own += 1;
+                        self.word(own - 1)
                     }
-                }
+                })
             }
         }
     }
@@ -237,18 +243,34 @@ impl BuildingMap {
     /// The code of a texel.
     pub fn code(&self, column: usize, row: usize) -> u32 {
         let block = self.block(column / BLOCK, row / BLOCK);
-        self.code_in(block, row % BLOCK * BLOCK + column % BLOCK)
+        self.codes_in(block)[row % BLOCK * BLOCK + column % BLOCK]
     }
 
-    /// Every occupied block: its column and row, and its texels' codes.
-    pub fn occupied_blocks(&self) -> impl Iterator<Item = ([usize; 2], [u32; TEXELS])> {
-        let across = BLOCK * Self::groups_across(self.side);
-        (0..across * across).filter_map(move |k| {
-            let [column, row] = [k % across, k / across];
-            let block = self.block(column, row);
-            let codes = std::array::from_fn(|texel| self.code_in(block, texel));
-            (block != Block::Empty).then_some(([column, row], codes))
+    /// Every occupied block, in the order of the entries: its column and row, and where its codes are.
+    pub fn blocks(&self) -> impl Iterator<Item = ([usize; 2], Block)> {
+        let groups = Self::groups_across(self.side);
+        let (mut group, mut entry) = (0, self.index_len());
+        let mut mask = self.word(0) & 0xffff;
+        std::iter::from_fn(move || {
+            while mask == 0 {
+                group += 1;
+                if group >= groups * groups {
+                    return None;
+                }
+                mask = self.word(group) & 0xffff;
+            }
+            let bit = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            let column = BLOCK * (group % groups) + bit % BLOCK;
+            let row = BLOCK * (group / groups) + bit / BLOCK;
+            entry += 1;
+            Some(([column, row], self.block_of_entry(entry - 1)))
         })
+    }
+
+    /// The same with the codes of the texels.
+    pub fn occupied_blocks(&self) -> impl Iterator<Item = ([usize; 2], [u32; TEXELS])> {
+        self.blocks().map(|(place, block)| (place, self.codes_in(block)))
     }
 
     /// The codes of a list; none of any other code.

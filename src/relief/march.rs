@@ -264,7 +264,7 @@ fn walk_tile(
     let mut node = place.floor().as_ivec2().clamp(IVec2::ZERO, most) >> (2 * level + 2);
     let mut t = t0;
     // On level 0 the node is a block.
-    let (mut block, mut block_bound) = (Block::Empty, f32::NEG_INFINITY);
+    let (mut block, mut codes, mut block_bound) = (Block::Empty, [0; 16], f32::NEG_INFINITY);
     for _ in 0..MAX_STEPS {
         let size = map.texel_m * (1_u32 << (2 * level)) as f32;
         *reads += 1;
@@ -275,8 +275,8 @@ fn walk_tile(
         let t_step = size * ray.inverse.abs();
         let texel = |child: IVec2| ((child.y & 3) * 4 + (child.x & 3)) as usize;
         // The texels of a block count as high as the block.
-        let bound_of = |child: IVec2, block: Block| match level {
-            0 if map.code_in(block, texel(child)) == 0 => f32::NEG_INFINITY,
+        let bound_of = |child: IVec2| match level {
+            0 if codes[texel(child)] == 0 => f32::NEG_INFINITY,
             0 => block_bound,
             _ => tile.pyramid.bound(level, child.x as usize, child.y as usize),
         };
@@ -284,7 +284,7 @@ fn walk_tile(
         let dips = loop {
             let t_past = t_border.min_element().min(t1);
             let lowest = ray.start.z + (t * ray.direction.z).min(t_past * ray.direction.z);
-            if t_past > t && lowest <= bound_of(child, block) - eye_elevation + rounding {
+            if t_past > t && lowest <= bound_of(child) - eye_elevation + rounding {
                 break Some(t_past);
             }
             t = t.max(t_past);
@@ -297,13 +297,14 @@ fn walk_tile(
         };
         if let (Some(_), 1) = (dips, level) {
             block = map.block(child.x as usize, child.y as usize);
+            codes = map.codes_in(block);
             block_bound = tile.pyramid.bound(1, child.x as usize, child.y as usize);
             *reads += 2;
         }
         let found = level == 0 || (level == 1 && matches!(block, Block::Uniform(_)));
         match dips {
             Some(t_past) if found => {
-                let code = map.code_in(block, if level == 0 { texel(child) } else { 0 });
+                let code = codes[if level == 0 { texel(child) } else { 0 }];
                 *reads += 1;
                 let corner = child.as_vec2();
                 let hit = if is_exact {

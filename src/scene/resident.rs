@@ -126,7 +126,7 @@ pub struct Resident {
 type ViewKey = (Mat4, DVec3, DVec3, [u32; 2]);
 
 /// Tiles read at a time: bounds the memory beside the pool's.
-const BATCH: usize = 64;
+const BATCH: usize = 24;
 
 fn layer_index(layer: Layer) -> usize {
     match layer {
@@ -305,22 +305,27 @@ impl Resident {
 
     /// Whether tiles are within the budget and the device's limits, as far as their sizes are known.
     fn fits(&self, wanted: &[Vec<TileId>; 3]) -> bool {
-        let layers = self.max_layers;
+        let layers = self.max_layers - self.max_layers / 8;
         let bytes = (wanted.iter().enumerate())
             .map(|(layer, ids)| self.bytes_of(layer, ids))
             .sum::<u64>();
         bytes <= self.options.budget - self.options.budget / 8
-            && wanted[TERRAIN].len() <= layers
-            && wanted[IMAGERY].len() <= layers
+            && wanted[TERRAIN].len() < layers
+            && wanted[IMAGERY].len() < layers
     }
 
-    fn bytes_of(&self, layer: usize, ids: &[TileId]) -> u64 {
+    /// About the bytes of a tile that was not read yet.
+    fn guess(&self, layer: usize) -> u64 {
         let manifest = self.city.manifest();
-        let guess = match layer {
+        match layer {
             MAPS => manifest.building_map_bytes / manifest.building_tiles.max(1),
             IMAGERY => self.imagery.layers.image_bytes(),
             _ => self.terrain.tile_bytes(),
-        };
+        }
+    }
+
+    fn bytes_of(&self, layer: usize, ids: &[TileId]) -> u64 {
+        let guess = self.guess(layer);
         ids.iter()
             .map(|&id| self.entries.get(&(layer, id)).map_or(guess, |entry| entry.bytes))
             .sum()
@@ -369,7 +374,11 @@ impl Resident {
             missing
                 .sort_by_key(|(_, id)| (id.x.wrapping_mul(2_654_435_761) ^ id.y.wrapping_mul(40_503)) >> 3);
             has_loaded = true;
-            self.make_room(0);
+            let mut coming = [0; 3];
+            for (layer, _) in &missing {
+                coming[layer_index(*layer)] += 1;
+            }
+            self.make_room(coming);
             for (k, batch) in missing.chunks(BATCH).enumerate() {
                 let readings = read_all(&self.city, batch);
                 // The first few tell how much room the others take.
@@ -418,7 +427,11 @@ impl Resident {
 
     /// Takes what has come in and asks for more.
     fn stream(&mut self, gpu: &Gpu, view: &DetailView) -> Result<(), SceneError> {
-        for reading in self.loader.finished() {
+        let finished = self.loader.finished();
+        if !finished.is_empty() {
+            self.make_room([finished.len(); 3]);
+        }
+        for reading in finished {
             self.take(gpu, reading)?;
         }
         let mut missing = self.missing();
@@ -506,7 +519,6 @@ impl Resident {
         };
         self.entries.insert((layer_index(layer), id), entry);
         self.is_stale = true;
-        self.make_room(0);
         Ok(())
     }
 
@@ -529,24 +541,36 @@ impl Resident {
         self.is_stale = true;
     }
 
-    /// Drops tiles that no view has wanted for longest until there is room for more bytes.
-    fn make_room(&mut self, bytes: u64) {
+    /// Drops tiles that no view has wanted for longest until there is room for more tiles of each layer.
+    fn make_room(&mut self, coming: [usize; 3]) {
         let budget = self.options.budget - self.options.budget / 8;
-        let mut used = self.bytes() + bytes;
-        if used <= budget {
+        let mut used = self.bytes()
+            + (0..coming.len())
+                .map(|layer| coming[layer] as u64 * self.guess(layer))
+                .sum::<u64>();
+        let mut counts = coming;
+        for ((layer, _), entry) in &self.entries {
+            counts[*layer] += usize::from(entry.slot.is_some());
+        }
+        let is_full = |layer: usize, counts: &[usize; 3]| layer != MAPS && counts[layer] > self.max_layers;
+        if used <= budget && !is_full(IMAGERY, &counts) && !is_full(TERRAIN, &counts) {
             return;
         }
         let root = self.root();
         let mut unwanted: Vec<(u64, usize, TileId, u64)> = (self.entries.iter())
-            .filter(|((_, id), entry)| *id != root && entry.wanted < self.views)
+            .filter(|((_, id), entry)| *id != root && entry.wanted < self.views && entry.slot.is_some())
             .map(|(&(layer, id), entry)| (entry.wanted, layer, id, entry.bytes))
             .collect();
         unwanted.sort_unstable();
+        let mut dropped = Vec::new();
         for (_, layer, id, bytes) in unwanted {
-            if used <= budget {
-                break;
+            if used > budget || is_full(layer, &counts) {
+                used -= bytes.min(used);
+                counts[layer] -= 1;
+                dropped.push((layer, id));
             }
-            used -= bytes;
+        }
+        for (layer, id) in dropped {
             self.drop_tile(layer, id);
         }
     }
