@@ -72,11 +72,11 @@ pub enum Block {
 pub const BLOCK: usize = 4;
 /// Texels of a block.
 pub const TEXELS: usize = BLOCK * BLOCK;
-/// What a record's header says of a texel; shaders have the last two as `TEXEL_MAIN` and `TEXEL_OWN`.
-const TEXEL_EMPTY: u32 = 0;
-/// See [`TEXEL_EMPTY`].
+/// What a record's header says of a texel: no building. Shaders have the next one too.
+pub const TEXEL_EMPTY: u32 = 0;
+/// A texel under the block's commonest roof.
 pub const TEXEL_MAIN: u32 = 1;
-/// See [`TEXEL_EMPTY`].
+/// A texel with a code of its own.
 pub const TEXEL_OWN: u32 = 2;
 
 impl BuildingMap {
@@ -87,9 +87,6 @@ impl BuildingMap {
     /// Most texels along a side: entries are counted in 16 bits, and the guard on the steps of a walk (`MAX_STEPS` in
     /// `relief::constants`) stands on it.
     pub const MAX_SIDE: usize = 1024;
-
-    /// Farther from sea level than any ground or roof that an import lets in, metres.
-    const MAX_ELEVATION_M: f32 = 100_000.0;
 
     /// Groups along the side of a map of `side` texels.
     pub fn groups_across(side: usize) -> usize {
@@ -341,87 +338,6 @@ impl BuildingMap {
                 .map(|&code| roof(code))
                 .fold(f32::NEG_INFINITY, f32::max),
             _ => roof(code),
-        }
-    }
-
-    /// True when every index in the map points inside it: a damaged tile must not reach the shader.
-    pub fn is_sound(&self) -> bool {
-        self.side.is_power_of_two()
-            && self.side <= Self::MAX_SIDE
-            && self.has_sound_index()
-            && self
-                .occupied_blocks()
-                .all(|(_, codes)| codes.iter().all(|&code| self.is_sound_cell(code)))
-            && self
-                .vertices
-                .iter()
-                .all(|vertex| (vertex.building as usize) < self.roofs.len())
-            && self.roofs.iter().all(|roof| {
-                roof.roof_m.abs() < Self::MAX_ELEVATION_M && roof.base_m.abs() < Self::MAX_ELEVATION_M
-            })
-            && self
-                .height_range
-                .iter()
-                .all(|height| height.abs() < Self::MAX_ELEVATION_M)
-            && (self.roofs.iter()).all(|roof| roof.roof_m <= self.height_range[1])
-    }
-
-    /// The entries follow one another and each is a FULL code or a record inside the words.
-    fn has_sound_index(&self) -> bool {
-        let groups = Self::groups_across(self.side).pow(2);
-        let Some(index) = self.words.get(..groups) else {
-            return false;
-        };
-        let mut entries = 0_usize;
-        for word in index {
-            if (word >> 16) as usize != entries & 0xffff {
-                return false;
-            }
-            entries += (word & 0xffff).count_ones() as usize;
-        }
-        let entries = groups..groups + entries;
-        let is_sound_entry = |&entry: &u32| match CellKind::from_code(entry) {
-            CellKind::Full(full) => (full.building as usize) < self.roofs.len(),
-            CellKind::List(place) => {
-                let header = self.word(place as usize);
-                let count = |kind: u32| (0..TEXELS).filter(move |texel| (header >> (2 * texel)) & 3 == kind);
-                let length = 1 + count(TEXEL_MAIN).count().min(1) + count(TEXEL_OWN).count();
-                place as usize >= entries.end
-                    && place as usize + length <= self.words.len()
-                    && count(3).count() == 0
-                    && count(TEXEL_EMPTY).count() < TEXELS
-            }
-            _ => false,
-        };
-        self.words
-            .get(entries.clone())
-            .is_some_and(|entries| entries.iter().all(is_sound_entry))
-    }
-
-    fn is_sound_cell(&self, code: u32) -> bool {
-        let sound_code = |code: u32| match CellKind::from_code(code) {
-            CellKind::Full(full) => (full.building as usize) < self.roofs.len(),
-            CellKind::Run(run) => ((run.first + run.edges) as usize) < self.vertices.len(),
-            CellKind::Empty | CellKind::List(_) => false,
-        };
-        match CellKind::from_code(code) {
-            CellKind::Empty => code == 0,
-            CellKind::List(place) => {
-                let codes = self.codes(code);
-                let continues =
-                    |pair: &[u32]| match (CellKind::from_code(pair[0]), CellKind::from_code(pair[1])) {
-                        (CellKind::Run(run), next) if run.more => {
-                            matches!(next, CellKind::Run(_))
-                                && self.building_of(pair[0]) == self.building_of(pair[1])
-                        }
-                        _ => true,
-                    };
-                !codes.is_empty()
-                    && codes.len() == self.word(place as usize) as usize
-                    && codes.iter().all(|&code| sound_code(code))
-                    && codes.windows(2).all(continues)
-            }
-            _ => sound_code(code),
         }
     }
 }

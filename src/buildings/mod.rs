@@ -9,6 +9,7 @@ mod map;
 mod map_tile;
 mod pyramid;
 mod rasterise;
+mod sound;
 
 pub use building::{Building, NoGround, base_of, triangle_bytes};
 pub use cell::{CELL, CellFields, CellKind, Full, Run};

@@ -1,6 +1,7 @@
 //! The city folder: one folder is one city, every file a standard format.
 
 mod codec;
+mod durable;
 mod error;
 mod geotiff;
 mod ground_cache;

@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::durable::sync;
 use super::layer::Layer;
 use super::update::{COMMITTED, CityLock, PARTIAL};
 use super::{City, CityError};
@@ -121,16 +122,6 @@ fn refuse_edited(target: &Path) -> Result<(), CityError> {
     Err(CityError::Edited {
         path: target.join("buildings.gpkg"),
     })
-}
-
-/// Flushes the file system that holds the folder: one call instead of one per tile.
-fn sync(folder: &Path) -> Result<(), CityError> {
-    let handle = fs::File::open(folder).map_err(CityError::file(folder))?;
-    #[cfg(target_os = "linux")]
-    rustix::fs::syncfs(&handle).map_err(|error| CityError::file(folder)(error.into()))?;
-    #[cfg(not(target_os = "linux"))]
-    let _ = handle.sync_all();
-    Ok(())
 }
 
 /// Swaps the new city and the old one, in one step where the system can.

@@ -113,10 +113,12 @@ impl TexelPool {
     /// Makes room for more texels at once, so that the texture need not grow for each run; true when it was made anew.
     pub fn reserve(&mut self, gpu: &Gpu, texels: u64) -> bool {
         let used = u64::from(self.pages_used) * u64::from(PAGE);
-        let rows = (used + texels).div_ceil(u64::from(self.width)) as u32;
+        let limit = u64::from(gpu.device.limits().max_texture_dimension_2d);
+        let rows = (used + texels).div_ceil(u64::from(self.width)).min(limit) as u32;
         let grows = rows > self.texture.height();
         if grows {
-            self.reserve_rows(gpu, rows);
+            // Some more: runs are rounded to pages, and sizes are estimates.
+            self.reserve_rows(gpu, rows + rows / 8);
         }
         grows
     }

@@ -37,7 +37,7 @@ pub struct Reading {
 }
 
 /// Most tiles on their way at a time.
-const MAX_IN_FLIGHT: usize = 16;
+const MAX_IN_FLIGHT: usize = 48;
 
 /// Reads tiles.
 pub struct Loader {

@@ -90,6 +90,16 @@ impl MapPool {
         self.quads.reserve(gpu, quads) || words
     }
 
+    /// Makes room for bytes of maps, split as maps mostly are; true when what shaders read was made anew.
+    pub fn reserve_bytes(&mut self, gpu: &Gpu, bytes: u64) -> bool {
+        /// Parts of a map's bytes.
+        const WORDS: f64 = 0.3;
+        let words = (bytes as f64 * WORDS) as u64 / size_of::<u32>() as u64;
+        let quads = (bytes as f64 * (1.0 - WORDS)) as u64 / size_of::<[u32; 4]>() as u64;
+        let words = self.words.reserve(gpu, words);
+        self.quads.reserve(gpu, quads) || words
+    }
+
     /// Puts a map; its slot, its bytes, and true when what shaders read was made anew.
     ///
     /// # Errors

@@ -95,7 +95,14 @@ impl TerrainPool {
         let triangles = tiles.iter().flat_map(|tile| &tile.meshes).map(Vec::len);
         let indices = triangles.sum::<usize>() as f64 * 3.3 * times;
         self.indices.reserve(gpu, indices as u64);
-        let count = (tiles.len() as f64 * times) as u32;
+        self.reserve_layers(gpu, (tiles.len() as f64 * times) as u32)
+    }
+
+    /// Makes room for the samples of some tiles; true when what shaders read was made anew.
+    ///
+    /// # Errors
+    /// When the device allows no more.
+    pub fn reserve_layers(&mut self, gpu: &Gpu, count: u32) -> Result<bool, SceneError> {
         let heights = self.heights.reserve(gpu, count)?;
         Ok(self.bounds.reserve(gpu, count)? || heights)
     }

@@ -1,6 +1,6 @@
 //! What an update changes: footprints, and the building-map tiles under them.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -10,7 +10,8 @@ use geo::MultiPolygon;
 use rayon::prelude::*;
 
 use super::UpdateOptions;
-use crate::buildings::{Building, BuildingMap, MapTile, coarser, triangle_bytes};
+use super::parents::changed_parents;
+use crate::buildings::{Building, BuildingMap, MapTile, triangle_bytes};
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::{City, CityError, Layer};
@@ -374,60 +375,4 @@ fn changed_tiles(
     let changes = ids.par_iter().filter_map(|id| changed(id).transpose());
     let changes = changes.collect::<Result<Vec<_>, _>>()?;
     Ok((changes, totals.map(AtomicU64::into_inner)))
-}
-
-/// The tiles over changed ones whose maps become other ones, level after level.
-fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChange>, CityError> {
-    let grid = &city.manifest().grid;
-    let mut parents: Vec<TileChange> = Vec::new();
-    let mut below = 0..tiles.len();
-    for level in 1..grid.levels() {
-        let changed: HashMap<TileId, Option<&BuildingMap>> = match level {
-            1 => tiles.iter().map(|tile| (tile.id, tile.map.as_ref())).collect(),
-            _ => (parents[below].iter())
-                .map(|tile| (tile.id, tile.map.as_ref()))
-                .collect(),
-        };
-        let ids: BTreeSet<TileId> = changed.keys().map(|id| id.parent()).collect();
-        let ids: Vec<TileId> = ids.into_iter().collect();
-        let parent = |&id: &TileId| parent_change(city, id, &changed).transpose();
-        let next = ids.par_iter().filter_map(parent);
-        let next = next.collect::<Result<Vec<TileChange>, CityError>>()?;
-        below = parents.len()..parents.len() + next.len();
-        parents.extend(next);
-    }
-    Ok(parents)
-}
-
-/// A tile of a coarse level over changed ones; none when it stays the same.
-fn parent_change(
-    city: &City,
-    id: TileId,
-    changed: &HashMap<TileId, Option<&BuildingMap>>,
-) -> Result<Option<TileChange>, CityError> {
-    let children = city.manifest().grid.children(id);
-    let mut read = [const { None }; 4];
-    for (map, child) in read.iter_mut().zip(children) {
-        if !changed.contains_key(&child) {
-            *map = city.buildings(child)?;
-        }
-    }
-    let child = |k: usize| match changed.get(&children[k]) {
-        Some(map) => *map,
-        None => read[k].as_ref(),
-    };
-    let map = coarser(std::array::from_fn(child)).map_err(|source| CityError::TileTooLarge {
-        path: Layer::Buildings.tile_path(city.folder(), id),
-        source,
-    })?;
-    // A damaged tile is one that differs.
-    let before = city.buildings(id).ok().flatten();
-    let is_there = city.has(Layer::Buildings, id);
-    let is_same = before == map && is_there == map.is_some();
-    Ok((!is_same).then(|| TileChange {
-        id,
-        bytes_before: before.as_ref().map_or(0, MapTile::bytes_of),
-        was_there: is_there,
-        map,
-    }))
 }

@@ -8,6 +8,7 @@
 
 mod changes;
 mod lock;
+mod parents;
 mod transaction;
 
 pub(super) use lock::CityLock;

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::changes::{Changes, TileChange, UpdateContext};
 use crate::city::codec::write_buildings;
+use crate::city::durable::sync;
 use crate::city::geotiff::GeoKeys;
 use crate::city::{CityError, Layer, Manifest};
 use crate::source::{FootprintDatasetEditor, FootprintSource};
@@ -129,7 +130,7 @@ impl<'a> Transaction<'a> {
             })?;
             fs::write(&path, text).map_err(CityError::file(&path))?;
         }
-        sync_all(&self.folder)?;
+        sync(&self.folder)?;
         // What the dataset refuses is refused while the city is the old one.
         let dataset_path = self.place.city.footprint_dataset_path();
         require_plain(&dataset_path)?;
@@ -226,8 +227,8 @@ fn move_files(city: &Path, plan: Plan) -> Result<(), CityError> {
         if path.exists() {
             fs::remove_file(&path).map_err(CityError::file(&path))?;
         }
-        sync_folder(path.parent().unwrap_or(city))?;
     }
+    sync(city)?;
     set_not_older(&manifest, &dataset_path)?;
     let place = city.join(MANIFEST);
     fs::rename(&manifest, &place).map_err(CityError::file(&place))?;
@@ -239,16 +240,14 @@ fn move_files(city: &Path, plan: Plan) -> Result<(), CityError> {
 fn move_level(tiles: &Path, places: &Path) -> Result<(), CityError> {
     require_plain(tiles)?;
     require_plain(places)?;
-    let mut moved = false;
     for entry in fs::read_dir(tiles).map_err(CityError::file(tiles))? {
         let entry = entry.map_err(CityError::file(tiles))?;
         if is_tile_name(&entry.file_name()) {
             let place = places.join(entry.file_name());
             fs::rename(entry.path(), &place).map_err(CityError::file(&place))?;
-            moved = true;
         }
     }
-    if moved { sync_folder(places) } else { Ok(()) }
+    Ok(())
 }
 
 /// Makes a manifest not older than the dataset: that would say that the dataset was edited.
@@ -311,21 +310,6 @@ fn remove_folder(folder: &Path) -> Result<(), CityError> {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(CityError::file(folder)(error)),
         _ => Ok(()),
     }
-}
-
-/// Makes every file under a folder durable.
-fn sync_all(folder: &Path) -> Result<(), CityError> {
-    for entry in fs::read_dir(folder).map_err(CityError::file(folder))? {
-        let path = entry.map_err(CityError::file(folder))?.path();
-        if path.is_dir() {
-            sync_all(&path)?;
-        } else {
-            let file = fs::File::open(&path);
-            file.and_then(|file| file.sync_all())
-                .map_err(CityError::file(&path))?;
-        }
-    }
-    sync_folder(folder)
 }
 
 /// Makes the names in a folder durable.
