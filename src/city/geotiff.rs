@@ -31,7 +31,7 @@ pub struct Page {
     pub pixels: Pixels,
     /// Easting of the west edge, northing of the north edge, side of a pixel; none for tables.
     pub georeference: Option<[f64; 3]>,
-    /// Whether neighbouring pixels are mostly equal.
+    /// Whether pixels repeat, so that it pays to search for that.
     pub has_runs: bool,
 }
 
@@ -82,7 +82,7 @@ pub fn write(path: &Path, pages: &[Page], keys: &GeoKeys) -> Result<(), CityErro
     {
         let mut encoder = TiffEncoder::new(&mut writer).map_err(tile_error)?;
         for page in pages {
-            // A raster of runs becomes half as large by more searching; a table does not, and is wanted sooner.
+            // What repeats becomes smaller by more searching, a raster of runs by half; the rest is wanted sooner.
             let level = match page.has_runs {
                 true => DeflateLevel::Balanced,
                 false => DeflateLevel::Fast,

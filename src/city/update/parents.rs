@@ -39,12 +39,16 @@ fn parent_change(
     changed: &HashMap<TileId, Option<&BuildingMap>>,
 ) -> Result<Option<TileChange>, CityError> {
     let children = city.manifest().grid.children(id);
-    let mut read = [const { None }; 4];
-    for (map, child) in read.iter_mut().zip(children) {
-        if !changed.contains_key(&child) {
-            *map = city.buildings(child)?;
-        }
-    }
+    let read_child = |child: &TileId| match changed.contains_key(child) {
+        true => Ok(None),
+        false => city.buildings(*child),
+    };
+    // A damaged tile is one that differs.
+    let (read, before) = rayon::join(
+        || children.par_iter().map(read_child).collect::<Result<Vec<_>, _>>(),
+        || city.buildings(id).ok().flatten(),
+    );
+    let read = read?;
     let child = |k: usize| match changed.get(&children[k]) {
         Some(map) => *map,
         None => read[k].as_ref(),
@@ -53,8 +57,6 @@ fn parent_change(
         path: Layer::Buildings.tile_path(city.folder(), id),
         source,
     })?;
-    // A damaged tile is one that differs.
-    let before = city.buildings(id).ok().flatten();
     let is_there = city.has(Layer::Buildings, id);
     let is_same = before == map && is_there == map.is_some();
     Ok((!is_same).then(|| TileChange {
