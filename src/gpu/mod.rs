@@ -27,6 +27,6 @@ pub use record_pool::RecordPool;
 pub(crate) use shader::shader_file;
 pub use shader::{Constant, ConstantValue, ShaderFile, ShaderSource, shader_module};
 pub use target::{Target, blended_target, color_target};
-pub use texel_pool::{Run, TexelPool};
+pub use texel_pool::{TexelPool, TexelRun};
 pub use timing::{PassTimer, PassTimes};
 pub use upload::{TableTexture, Uniform, empty_buffer, filled_texture, geometry_buffer, storage_buffer};

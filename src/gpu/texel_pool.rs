@@ -10,7 +10,7 @@ const PAGE: u32 = 64;
 
 /// A run of texels.
 #[derive(Clone, Copy)]
-pub struct Run {
+pub struct TexelRun {
     /// Its first texel.
     pub first: u32,
     pages: u32,
@@ -73,14 +73,18 @@ impl TexelPool {
     ///
     /// # Errors
     /// When the largest texture of the device is full.
-    pub fn put<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, texels: &[T]) -> Result<(Run, bool), GpuError> {
+    pub fn put<T: bytemuck::NoUninit>(
+        &mut self,
+        gpu: &Gpu,
+        texels: &[T],
+    ) -> Result<(TexelRun, bool), GpuError> {
         let (run, grows) = self.take(gpu, texels.len() as u32)?;
         self.fill(gpu, &run, texels);
         Ok((run, grows))
     }
 
     /// Writes what a run holds.
-    pub fn fill<T: bytemuck::NoUninit>(&self, gpu: &Gpu, run: &Run, texels: &[T]) {
+    pub fn fill<T: bytemuck::NoUninit>(&self, gpu: &Gpu, run: &TexelRun, texels: &[T]) {
         self.write(gpu, run.first, bytemuck::cast_slice(texels));
     }
 
@@ -88,7 +92,7 @@ impl TexelPool {
     ///
     /// # Errors
     /// When the largest texture of the device is full.
-    pub fn take(&mut self, gpu: &Gpu, texels: u32) -> Result<(Run, bool), GpuError> {
+    pub fn take(&mut self, gpu: &Gpu, texels: u32) -> Result<(TexelRun, bool), GpuError> {
         let pages = texels.div_ceil(PAGE).max(1);
         let limit = u64::from(gpu.device.limits().max_texture_dimension_2d) * u64::from(self.width);
         let full = |this: &Self| gpu.require(this.label, limit + 1, limit);
@@ -96,7 +100,7 @@ impl TexelPool {
             full(self)?;
             return Err(gpu.failed(self.label));
         };
-        let run = Run {
+        let run = TexelRun {
             first: allocation.offset * PAGE,
             pages,
             allocation,
@@ -124,7 +128,7 @@ impl TexelPool {
     }
 
     /// Gives a run back.
-    pub fn free(&mut self, run: Run) {
+    pub fn free(&mut self, run: TexelRun) {
         self.pages_used -= run.pages;
         self.allocator.free(run.allocation);
     }

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::SceneError;
 use crate::buildings::{DeviceMap, MapTile};
-use crate::gpu::{Gpu, Run, TexelPool};
+use crate::gpu::{Gpu, TexelPool, TexelRun};
 
 /// Words along a row of the pool of words; shaders have it as `POOL_WORDS`.
 pub const POOL_WORDS: u32 = 8192;
@@ -60,7 +60,7 @@ pub struct MapPool {
     /// Of each tile its record, roofs, nodes of the pyramid, outline vertices, blocks.
     pub quads: TexelPool,
     /// By slot.
-    runs: Vec<Option<[Run; 2]>>,
+    runs: Vec<Option<[TexelRun; 2]>>,
     free: Vec<u32>,
 }
 
