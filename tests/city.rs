@@ -312,6 +312,7 @@ fn the_device_reads_the_same_codes() {
             continue;
         };
         let device = DeviceMap::new(&map);
+        assert_eq!(device.words.len(), DeviceMap::word_count(&map));
         let groups = map.side / 16;
         for ([column, row], codes) in map.occupied_blocks() {
             let index = device.words[row / 4 * groups + column / 4];

@@ -16,6 +16,15 @@ pub struct DeviceMap {
 const UNIFORM: u32 = 0x5555_5555;
 
 impl DeviceMap {
+    /// The number of its words: a map's own without entries, headers and commonest roofs.
+    pub fn word_count(map: &BuildingMap) -> usize {
+        let in_blocks = map.blocks().map(|(_, block)| match block {
+            Block::Record(place) => 2 + usize::from(map.word(place) & UNIFORM != 0),
+            _ => 1,
+        });
+        map.words.len() - in_blocks.sum::<usize>().min(map.words.len())
+    }
+
     /// Of a map.
     pub fn new(map: &BuildingMap) -> Self {
         let index = map.index_len();

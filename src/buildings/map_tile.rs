@@ -23,9 +23,8 @@ impl MapTile {
     /// Bytes that a map takes on the device: words, and a length along the outline for every vertex; a record of 16 bytes for every
     /// vertex, roof and occupied block; its pyramid.
     pub fn bytes_of(map: &BuildingMap) -> u64 {
-        let device = DeviceMap::new(map);
-        let words = device.words.len() + map.vertices.len();
-        let records = map.vertices.len() + map.roofs.len() + device.blocks.len();
+        let words = DeviceMap::word_count(map) + map.vertices.len();
+        let records = map.vertices.len() + map.roofs.len() + map.occupied_count();
         (4 * words + 16 * records + Pyramid::bytes(map.side)) as u64
     }
 }

@@ -1,5 +1,6 @@
 //! Room for many images of one size in one array texture that grows: a layer an image.
 
+use super::upload::tile_texture;
 use super::{Gpu, GpuError};
 
 /// An array texture and its free layers.
@@ -156,26 +157,10 @@ impl LayerPool {
 fn make(
     gpu: &Gpu,
     (label, format): (&str, wgpu::TextureFormat),
-    [width, height]: [u32; 2],
-    [levels, layers]: [u32; 2],
+    size: [u32; 2],
+    levels_and_layers: [u32; 2],
 ) -> (wgpu::Texture, wgpu::TextureView) {
-    gpu.count_creation();
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: layers,
-        },
-        mip_level_count: levels,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_DST
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
+    let texture = tile_texture(gpu, label, size, levels_and_layers, format);
     let view = texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()

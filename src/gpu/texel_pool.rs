@@ -3,6 +3,7 @@
 
 use offset_allocator::{Allocation, Allocator};
 
+use super::upload::tile_texture;
 use super::{Gpu, GpuError};
 
 /// Texels that are handed out together.
@@ -194,25 +195,9 @@ fn make(
     gpu: &Gpu,
     label: &str,
     format: wgpu::TextureFormat,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
 ) -> (wgpu::Texture, wgpu::TextureView) {
-    gpu.count_creation();
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_DST
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
+    let texture = tile_texture(gpu, label, size, [1, 1], format);
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     (texture, view)
 }

@@ -80,6 +80,33 @@ impl<T: bytemuck::NoUninit> Uniform<T> {
     }
 }
 
+/// A texture, or an array of them, that shaders read, and that is written and copied in parts.
+pub(super) fn tile_texture(
+    gpu: &Gpu,
+    label: &str,
+    [width, height]: [u32; 2],
+    [levels, layers]: [u32; 2],
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    gpu.count_creation();
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: layers,
+        },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_DST
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
 /// A 2D texture of four numbers a texel that is written whole, again and again.
 pub struct TableTexture {
     texture: wgpu::Texture,
@@ -89,22 +116,8 @@ pub struct TableTexture {
 
 impl TableTexture {
     /// An unwritten one.
-    pub fn new(gpu: &Gpu, label: &str, [width, height]: [u32; 2]) -> Self {
-        gpu.count_creation();
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Uint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+    pub fn new(gpu: &Gpu, label: &str, size: [u32; 2]) -> Self {
+        let texture = tile_texture(gpu, label, size, [1, 1], wgpu::TextureFormat::Rgba32Uint);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Self { texture, view }
     }

@@ -63,6 +63,23 @@ pub struct TileChange {
 }
 
 impl TileChange {
+    /// From one map to another; none when they are the same and the file is there or not accordingly.
+    pub fn between(
+        city: &City,
+        id: TileId,
+        before: Option<BuildingMap>,
+        map: Option<BuildingMap>,
+    ) -> Option<Self> {
+        let was_there = city.has(Layer::Buildings, id);
+        let is_same = before == map && was_there == map.is_some();
+        (!is_same).then(|| Self {
+            id,
+            bytes_before: before.as_ref().map_or(0, MapTile::bytes_of),
+            was_there,
+            map,
+        })
+    }
+
     /// Bytes of the new map when loaded.
     pub fn bytes(&self) -> u64 {
         self.map.as_ref().map_or(0, MapTile::bytes_of)
@@ -363,14 +380,7 @@ fn changed_tiles(
         }
         // A damaged tile is one that differs.
         let before = city.buildings(id).ok().flatten();
-        let is_there = city.has(Layer::Buildings, id);
-        let is_same = before == map && is_there == map.is_some();
-        Ok((!is_same).then(|| TileChange {
-            id,
-            bytes_before: before.as_ref().map_or(0, MapTile::bytes_of),
-            was_there: is_there,
-            map,
-        }))
+        Ok(TileChange::between(city, id, before, map))
     };
     let changes = ids.par_iter().filter_map(|id| changed(id).transpose());
     let changes = changes.collect::<Result<Vec<_>, _>>()?;

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use rayon::prelude::*;
 
 use super::changes::TileChange;
-use crate::buildings::{BuildingMap, MapTile, coarser};
+use crate::buildings::{BuildingMap, coarser};
 use crate::city::{City, CityError, Layer};
 use crate::space::TileId;
 
@@ -57,12 +57,5 @@ fn parent_change(
         path: Layer::Buildings.tile_path(city.folder(), id),
         source,
     })?;
-    let is_there = city.has(Layer::Buildings, id);
-    let is_same = before == map && is_there == map.is_some();
-    Ok((!is_same).then(|| TileChange {
-        id,
-        bytes_before: before.as_ref().map_or(0, MapTile::bytes_of),
-        was_there: is_there,
-        map,
-    }))
+    Ok(TileChange::between(city, id, before, map))
 }
