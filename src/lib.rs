@@ -3,8 +3,8 @@
 //! The modules stand in the order the data flows; each imports only what stands before it (`tests/flow.rs`).
 //!
 //! ```text
-//! DTM, footprints, orthophotos ─▶ source ─▶ terrain ──┐
-//!                                      └─▶ buildings ┴▶ city ─▶ scene ─▶ relief ─▶ camera ─▶ output ─▶ viewer, cli
+//! DTM, footprints, orthophotos ─▶ source ─▶ terrain ───────────────┐
+//!                                      └─▶ material ─▶ buildings ┴▶ city ─▶ scene ─▶ relief ─▶ camera ─▶ output ─▶ viewer, cli
 //! ```
 
 /// Coordinate reference systems, bounds, the tile grid, the sun and the camera pose.
@@ -17,6 +17,8 @@ pub mod source;
 pub mod sample;
 /// Ground heights and the triangles that carry them.
 pub mod terrain;
+/// Facades and roofs: which a building has, and the tiled textures of each.
+pub mod material;
 /// The building map: footprints rasterised per tile with their exact outlines.
 pub mod buildings;
 /// The city folder: import, tiles on disk, manifest.

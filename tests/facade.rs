@@ -1,14 +1,15 @@
-//! The facade coordinate: metres along a building's outline, running on round its corners, against the survey's own rings.
+//! The facade coordinate: bays along a building's outline, whole from corner to corner, against the survey's own rings.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use gdal::vector::LayerAccess;
 use glam::DVec2;
 use rilievo::city::City;
 use rilievo::gpu::{Gpu, read_texture};
+use rilievo::material::FacadeStyle;
 use rilievo::output::Renderer;
 use rilievo::scene::TerrainMesh;
 use rilievo::space::Sun;
@@ -18,26 +19,50 @@ const SIZE: [u32; 2] = [320, 180];
 /// A closed ring.
 struct Ring(Vec<DVec2>);
 
+/// A point on a wall run, between two corners of a ring.
+struct OnRun {
+    /// The ring's vertex that the run begins at.
+    first: usize,
+    /// Metres along the run, and of all of it.
+    metres: f64,
+    length: f64,
+    /// Metres from the point asked for.
+    away: f64,
+}
+
 impl Ring {
-    fn length(&self) -> f64 {
-        self.0.windows(2).map(|edge| edge[0].distance(edge[1])).sum()
+    fn edge(&self, k: usize) -> DVec2 {
+        let count = self.0.len() - 1;
+        self.0[k % count + 1] - self.0[k % count]
     }
 
-    /// Metres along the ring to the point of it that is nearest, and how far away that is.
-    fn along(&self, point: DVec2) -> (f64, f64) {
-        let mut start = 0.0;
-        let mut best = (0.0, f64::INFINITY);
-        for edge in self.0.windows(2) {
-            let along = edge[1] - edge[0];
-            let length = along.length();
-            let fraction = ((point - edge[0]).dot(along) / (length * length)).clamp(0.0, 1.0);
-            let away = point.distance(edge[0] + fraction * along);
-            if away < best.1 {
-                best = (start + fraction * length, away);
-            }
-            start += length;
-        }
-        best
+    /// Whether the outline turns by more than 25 degrees at a vertex.
+    fn is_corner(&self, k: usize) -> bool {
+        let count = self.0.len() - 1;
+        self.edge(k + count - 1).angle_to(self.edge(k)).abs() > 25_f64.to_radians()
+    }
+
+    /// Where on which run the nearest point of the ring lies; none of a ring without corners.
+    fn on_run(&self, point: DVec2) -> Option<OnRun> {
+        let count = self.0.len() - 1;
+        let distance = |k: usize| {
+            let edge = self.edge(k);
+            let fraction = ((point - self.0[k]).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+            (point.distance(self.0[k] + fraction * edge), fraction)
+        };
+        let nearest = (0..count).min_by(|&a, &b| distance(a).0.total_cmp(&distance(b).0))?;
+        let (away, fraction) = distance(nearest);
+        let back = (0..count).find(|back| self.is_corner(nearest + count - back))?;
+        let first = (nearest + count - back) % count;
+        let edges = 1 + (1..=count).find(|&k| self.is_corner(first + k))? - 1;
+        let lengths =
+            |range: std::ops::Range<usize>| range.map(|k| self.edge(first + k).length()).sum::<f64>();
+        Some(OnRun {
+            first,
+            metres: lengths(0..back) + fraction * self.edge(nearest).length(),
+            length: lengths(0..edges),
+            away,
+        })
     }
 }
 
@@ -59,62 +84,71 @@ fn rings() -> HashMap<u32, Ring> {
 }
 
 #[test]
-fn the_facade_coordinate_is_metres_along_the_outline() {
+fn the_facade_coordinate_is_whole_bays_from_corner_to_corner() {
     let city = City::open(&support::sample().join("city")).unwrap();
     let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
     let rings = rings();
-    let (mut walls, mut buildings, mut corners, mut wrong) = (0, 0, 0, 0);
+    let (mut walls, mut buildings, mut wrong) = (0, 0, 0);
+    let mut corners = 0;
     for (name, eye, target) in &support::VIEWS[..2] {
         let camera = support::pinhole(*eye, *target, 1.0);
         let sun = Sun::from_azimuth_altitude(200.0, 40.0);
         renderer.still(&support::request(&camera, &sun, SIZE), 1).unwrap();
         let targets = renderer.relief_targets().unwrap();
         let surfaces = read_texture::<[u32; 4]>(&renderer.gpu, &targets.building_surface.texture).unwrap();
+        let facades = read_texture::<[u32; 4]>(&renderer.gpu, &targets.building_facade.texture).unwrap();
         let shown = read_texture::<u32>(&renderer.gpu, &targets.id.texture).unwrap();
         let projection = camera.projection(SIZE);
-        // Per building: where the survey has a wall's point along its ring, and the facade coordinate of the image.
-        let mut points: HashMap<u32, Vec<[f64; 2]>> = HashMap::new();
-        for (k, &[t, id, along, _]) in surfaces.iter().enumerate() {
-            let along = f64::from(f32::from_bits(along));
-            if id == 0 || shown[k] != id || along == 0.0 {
+        // Per building: where the survey has a wall's point on its run, and the facade coordinate of the image.
+        let mut points: HashMap<u32, Vec<(OnRun, f64)>> = HashMap::new();
+        for (k, &[t, id, bays, _]) in surfaces.iter().enumerate() {
+            let bays_per_m = f32::from_bits(facades[k][0]);
+            if id == 0 || shown[k] != id || bays_per_m == 0.0 {
                 continue;
             }
             let Some(ring) = rings.get(&id) else { continue };
             let ray = projection.ray_direction(k as u32 % SIZE[0], k as u32 / SIZE[0]);
             let at = camera.pose.eye + ray * f64::from(f32::from_bits(t));
-            let (survey, away) = ring.along(at.truncate());
-            assert!(away < 0.1, "{name}: a wall of {id} lies {away} m off its outline");
+            let Some(run) = ring.on_run(at.truncate()) else {
+                continue;
+            };
             assert!(
-                (0.0..=ring.length() + 0.05).contains(&along),
-                "{id}: {along} m along {} m",
-                ring.length()
+                run.away < 0.1,
+                "{name}: a wall of {id} lies {} m off its outline",
+                run.away
             );
-            points.entry(id).or_default().push([survey, along]);
+            // Bays come near to the width that the facade asks for.
+            let whole = f64::from(bays_per_m) * run.length;
+            assert!(
+                (whole - whole.round()).abs() < 1e-2 && whole > 0.5,
+                "{id}: {whole} bays on {} m",
+                run.length
+            );
+            points
+                .entry(id)
+                .or_default()
+                .push((run, f64::from(f32::from_bits(bays))));
             walls += 1;
         }
         for (id, points) in points {
-            let length = rings[&id].length();
-            // The ring may be walked the other way, from another vertex: one direction and one offset for the whole building.
+            let facade = facades[surfaces.iter().position(|surface| surface[1] == id).unwrap()][3];
+            let style = FacadeStyle::ALL[(facade & 127) as usize];
+            // The ring may be walked the other way.
             let off = |sign: f64| {
-                let [survey, along] = points[0];
-                let offset = along - sign * survey;
-                let errors = points.iter().map(|[survey, along]| {
-                    let apart = (along - sign * survey - offset).rem_euclid(length);
-                    apart.min(length - apart)
+                let errors = points.iter().map(|(run, bays)| {
+                    let count = (run.length / style.bay_m()).round().max(1.0);
+                    let apart = (bays - sign * run.metres / run.length * count).rem_euclid(1.0);
+                    apart.min(1.0 - apart) * run.length / count
                 });
                 errors.filter(|&error| error > 0.15).count()
             };
             wrong += off(1.0).min(off(-1.0));
             buildings += 1;
-            let [min, max] = points
-                .iter()
-                .fold([f64::INFINITY, 0.0_f64], |[min, max], [survey, _]| {
-                    [min.min(*survey), max.max(*survey)]
-                });
-            corners += u32::from(max - min > 15.0);
+            let firsts: HashSet<usize> = points.iter().map(|(run, _)| run.first).collect();
+            corners += u32::from(firsts.len() > 1);
         }
     }
-    println!("{wrong} of {walls} wall pixels of {buildings} buildings differ, {corners} round corners");
+    println!("{wrong} of {walls} wall pixels of {buildings} buildings differ, {corners} show a corner");
     assert!(
         walls > 5000 && buildings > 50 && corners > 20,
         "{walls}, {buildings}, {corners}"

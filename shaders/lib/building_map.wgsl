@@ -4,7 +4,7 @@ struct TileRecord {
     // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them, the
     // first the nearest; before those this record.
     quad_base: u32,
-    // The tile's first word in `map_words`: the lengths along its outlines stand before it, the first vertex's the nearest.
+    // The tile's first word in `map_words`: the facade coordinates of its vertices stand before it, the first vertex's the nearest.
     word_base: u32,
     // Lowest ground and highest roof, metres above the vertical datum.
     min_height: f32,
@@ -17,9 +17,20 @@ struct TileRecord {
 }
 
 struct VertexRecord {
-    // Metres from the tile's south-west corner; 0 in the record of a roof.
+    // Metres from the tile's south-west corner.
     position: vec2<f32>,
-    // Elevation of the building's roof, its id.
+    // Elevation of the building's roof: it stands where a roof's record has it.
+    roof_m: f32,
+    // Index of the building in its tile.
+    building: u32,
+}
+
+struct RoofRecord {
+    // Lowest ground at the building's outline, metres above the vertical datum.
+    base_m: f32,
+    // What the building is made of (`facade.wgsl`).
+    material: u32,
+    // Elevation of the roof, the building's id.
     roof_m: f32,
     fid: u32,
 }
@@ -46,10 +57,15 @@ fn slot_at(place: i32) -> TileRecord {
 fn vertex_place(slot: TileRecord, vertex: u32) -> u32 { return slot.quad_base + frame.pyramid_nodes + vertex; }
 fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - 1u - building; }
 
-// What stands at such a place.
+// What stands at such places. A roof read as a vertex tells its elevation.
 fn vertex_at(place: u32) -> VertexRecord {
     let record = quad_at(place);
     return VertexRecord(bitcast<vec2<f32>>(record.xy), bitcast<f32>(record.z), record.w);
+}
+
+fn roof_at(place: u32) -> RoofRecord {
+    let record = quad_at(place);
+    return RoofRecord(bitcast<f32>(record.x), record.y, bitcast<f32>(record.z), record.w);
 }
 
 // Four rows of four bytes, from the south-west. Twin: Pyramid::first_node and place.

@@ -13,13 +13,13 @@ struct Ray {
 struct Hit {
     // Metres along the ray, FAR without a hit.
     t: f32,
-    // Id of the building.
-    fid: u32,
+    // Place in `map_quads` of the building's roof.
+    roof_place: u32,
     // Place in `map_quads` of the wall's first vertex; ROOF for a roof, SIDE for a column's side.
     edge: u32,
-    // Metres along the wall from that corner, 0 on a roof and on a column.
-    along_wall_m: f32,
-    // Where the lengths along the tile's outlines lie.
+    // Where on the wall, 0 at that vertex and 1 at the next; 0 on a roof and on a column.
+    along: f32,
+    // Where the facade coordinates of the tile's vertices lie.
     word_base: u32,
     vertex_base: u32,
 }
@@ -62,7 +62,7 @@ fn visit_cell(code: u32, reference: vec2<f32>, slot: TileRecord, ray: Ray, start
     // The outline that the code belongs to.
     var continues = false;
     var roof = 0.0;
-    var fid = 0u;
+    var building = 0u;
     var t_roof = 0.0;
     var meets_roof = false;
     var inside = false;
@@ -80,7 +80,7 @@ fn visit_cell(code: u32, reference: vec2<f32>, slot: TileRecord, ray: Ray, start
             i += 1u;
             if !continues {
                 roof = vertex.roof_m - frame.eye_elevation;
-                fid = vertex.fid;
+                building = select(index_of(w), vertex.building, is_run);
                 t_roof = (roof - ray.start.z) / ray.direction.z;
                 meets_roof = ray.direction.z < 0.0 && t_roof >= from_t && t_roof <= to_t && t_roof < best.t;
                 to_p = start + t_roof * ray.direction.xy - reference;
@@ -98,7 +98,7 @@ fn visit_cell(code: u32, reference: vec2<f32>, slot: TileRecord, ray: Ray, start
             let u = dot(start + t * ray.direction.xy - a, along) / dot(along, along);
             let low_enough = ray.start.z + t * ray.direction.z <= roof;
             if facing < 0.0 && t >= from_t && t <= to_t && t < best.t && low_enough && u >= -1.0e-5 && u <= 1.00001 {
-                best = Hit(t, fid, index - 1u, u * length(along), slot.word_base, vertex_place(slot, 0u));
+                best = Hit(t, roof_place(slot, building), index - 1u, u, slot.word_base, vertex_place(slot, 0u));
             }
             // An edge between the point of the roof and the texel's reference, where it is known, changes sides.
             let to_a = a - reference;
@@ -111,7 +111,7 @@ fn visit_cell(code: u32, reference: vec2<f32>, slot: TileRecord, ray: Ray, start
         a = b;
         // Past the outline's last edge in this texel; `continues`: the list's next code has more of it.
         let past = edges_left == 0u && !(continues && i < count);
-        if past && meets_roof && inside && t_roof < best.t { best = Hit(t_roof, fid, ROOF, 0.0, 0u, 0u); }
+        if past && meets_roof && inside && t_roof < best.t { best = Hit(t_roof, roof_place(slot, building), ROOF, 0.0, 0u, 0u); }
         continues = continues && !past;
         continuing { break if past && i >= count; }
     }
@@ -120,17 +120,17 @@ fn visit_cell(code: u32, reference: vec2<f32>, slot: TileRecord, ray: Ray, start
 
 // First hit of the ray with a column, the texel of a coarse level, between t0 and t1. `corner`, `size`: its plan.
 fn visit_column(code: u32, corner: vec2<f32>, size: f32, slot: TileRecord, ray: Ray, start: vec2<f32>, t0: f32, t1: f32) -> Hit {
-    let vertex = vertex_at(roof_place(slot, index_of(code)));
-    let roof = vertex.roof_m - frame.eye_elevation;
+    let place = roof_place(slot, index_of(code));
+    let roof = roof_at(place).roof_m - frame.eye_elevation;
     if !is_inside(code) { return MISS; }
     if ray.start.z + t0 * ray.direction.z <= roof {
         // The side that the ray came in by.
         let past = (start + t0 * ray.direction.xy - corner) * sign(ray.direction.xy);
         let deep = select(past + size, past, ray.direction.xy >= vec2<f32>(0.0));
-        return Hit(t0, vertex.fid, select(SIDE_Y, SIDE_X, deep.x < deep.y), 0.0, 0u, 0u);
+        return Hit(t0, place, select(SIDE_Y, SIDE_X, deep.x < deep.y), 0.0, 0u, 0u);
     }
     let t_roof = (roof - ray.start.z) / ray.direction.z;
-    if ray.direction.z < 0.0 && t_roof <= t1 + slack(t1) { return Hit(t_roof, vertex.fid, ROOF, 0.0, 0u, 0u); }
+    if ray.direction.z < 0.0 && t_roof <= t1 + slack(t1) { return Hit(t_roof, place, ROOF, 0.0, 0u, 0u); }
     return MISS;
 }
 
@@ -354,9 +354,19 @@ fn hit_normal(hit: Hit, ray: Ray) -> vec3<f32> {
     return normalize(vec3<f32>(along.y, -along.x, 0.0));
 }
 
-// Facade coordinate of what was hit: metres along the building's outline, 0 on a roof and on a column.
-fn facade_coordinate(hit: Hit) -> f32 {
-    if hit.edge >= SIDE_Y { return 0.0; }
+// Where on a facade a hit lies.
+struct FacadePosition {
+    // Bays along the building's outline: the facade coordinate; 0 on a roof and on a column.
+    bays: f32,
+    // Bays a metre.
+    bays_per_m: f32,
+}
+
+fn facade_position(hit: Hit) -> FacadePosition {
+    if hit.edge >= SIDE_Y { return FacadePosition(0.0, 0.0); }
     let vertex = hit.edge - hit.vertex_base;
-    return bitcast<f32>(word_at(hit.word_base - 1u - vertex)) + hit.along_wall_m;
+    let first = bitcast<f32>(word_at(hit.word_base - 1u - vertex));
+    let bays = bitcast<f32>(word_at(hit.word_base - 2u - vertex)) - first;
+    let edge_m = distance(vertex_at(hit.edge).position, vertex_at(hit.edge + 1u).position);
+    return FacadePosition(first + hit.along * bays, bays / edge_m);
 }

@@ -47,16 +47,20 @@ fn vs_last(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 1.0e-12, 1.0);
 }
 
-// Bits of the distance, id, bits of the facade coordinate (metres along the outline), packed normal.
 @fragment
-fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec4<u32> {
+fn fs(@builtin(position) position: vec4<f32>) -> BuildingTexels {
     let ray = make_ray(vec3<f32>(0.0), ray_direction(position.xy));
     let t_ground = textureLoad(ground_distance, vec2<i32>(position.xy), 0).x;
     let t_cone = textureLoad(cone_distance, vec2<i32>(position.xy) / CONE_PIXELS, 0).x;
     let hit = walk_city(ray, t_cone, t_ground);
     // The face itself is never drawn: without a hit the surface stays at FAR, which shows nothing. It is not discarded,
     // so that its depth keeps the face behind it from walking the same ray again.
-    if hit.t >= FAR { return vec4<u32>(bitcast<u32>(FAR), 0u, 0u, 0u); }
-    let along = bitcast<u32>(facade_coordinate(hit));
-    return vec4<u32>(bitcast<u32>(hit.t), hit.fid, along, pack_normal(hit_normal(hit, ray)));
+    if hit.t >= FAR { return BuildingTexels(vec4<u32>(bitcast<u32>(FAR), 0u, 0u, 0u), vec4<u32>(0u)); }
+    let roof = roof_at(hit.roof_place);
+    let place = facade_position(hit);
+    let base = roof.base_m - frame.eye_elevation;
+    let facade = bitcast<vec3<u32>>(vec3<f32>(place.bays_per_m, base, roof.roof_m - roof.base_m));
+    let normal = pack_normal(hit_normal(hit, ray));
+    let surface = vec4<u32>(bitcast<u32>(hit.t), roof.fid, bitcast<u32>(place.bays), normal);
+    return BuildingTexels(surface, vec4<u32>(facade, roof.material));
 }

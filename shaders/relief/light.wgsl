@@ -1,13 +1,14 @@
-// Lights what the passes before found: imagery on ground and roofs, plain plaster on walls, the sun past buildings and hills, the
-// sky past buildings. A sample of a pixel sends one ray to a point of the sun's disc and one to the sky: many samples converge,
+// Lights what the passes before found: imagery on ground and roofs, facades on walls, the sun past buildings and hills, the sky past
+// buildings. A sample of a pixel sends one ray to a point of the sun's disc and one to the sky: many samples converge,
 // and a single one has the same mean, only noisier.
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
 @group(2) @binding(1) var ground_normal: texture_2d<u32>;
-// Bits of the distance, id, bits of the facade coordinate, packed normal.
+// `BuildingTexels`.
 @group(2) @binding(2) var relief_surface: texture_2d<u32>;
-@group(2) @binding(3) var imagery: texture_2d_array<f32>;
-@group(2) @binding(4) var imagery_sampler: sampler;
+@group(2) @binding(3) var relief_facade: texture_2d<u32>;
+@group(2) @binding(4) var imagery: texture_2d_array<f32>;
+@group(2) @binding(5) var imagery_sampler: sampler;
 
 struct Shaded {
     // Linear radiance.
@@ -15,15 +16,6 @@ struct Shaded {
     // Metres along the view ray, FAR for sky.
     @location(1) distance: f32,
     @location(2) id: u32,
-}
-
-// Three random numbers in 0..1 from three whole ones (pcg3d: Jarzynski & Olano 2020, JCGT 9(3)).
-fn random3(seed: vec3<u32>) -> vec3<f32> {
-    var v = seed * 1664525u + 1013904223u;
-    v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
-    v ^= v >> vec3<u32>(16u);
-    v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
-    return vec3<f32>(v >> vec3<u32>(8u)) / 16777216.0;
 }
 
 // Imagery at an eye-relative position, linear; alpha 0 where there is none.
@@ -38,23 +30,32 @@ fn imagery_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
     return colour;
 }
 
-fn roof_colour(fid: u32) -> vec3<f32> {
-    let r = random3(vec3<u32>(fid, 11u, 5u));
-    let tile = mix(vec3<f32>(0.36, 0.17, 0.10), vec3<f32>(0.45, 0.25, 0.16), r.y);
-    let slate = vec3<f32>(0.20, 0.20, 0.21) * (0.8 + 0.5 * r.y);
-    return select(slate, tile, r.x < 0.62);
+// Paper-like ground where the survey has no imagery: warm grey with contour lines, as on a plan.
+const PAPER: vec3<f32> = vec3<f32>(0.46, 0.435, 0.385);
+const CONTOUR: vec3<f32> = vec3<f32>(0.30, 0.235, 0.165);
+// Metres between contours near by; every fifth is bolder. Width of a line, metres and pixels at least.
+const CONTOUR_M: f32 = 2.0;
+const LINE_M: f32 = 0.35;
+const LINE_PIXELS: f32 = 1.2;
+
+// How much of a pixel contours of an interval cover. `slope`: metres a metre.
+fn contour(height: f32, interval: f32, slope: f32, pixel_m: f32) -> f32 {
+    let away = abs(height - round(height / interval) * interval) / max(slope, 1.0e-3);
+    let width = max(LINE_M, LINE_PIXELS * pixel_m);
+    // On level ground a contour would be an area; far away lines would merge.
+    let spacing = interval / max(slope, 1.0e-3);
+    let fades = smoothstep(0.01, 0.04, slope) * smoothstep(4.0, 10.0, spacing / width);
+    return fades * (1.0 - smoothstep(0.5 * width - 0.5 * pixel_m, 0.5 * width + 0.5 * pixel_m, away));
 }
 
-fn wall_colour(fid: u32) -> vec3<f32> {
-    let r = random3(vec3<u32>(fid, 3u, 7u));
-    let plaster = mix(vec3<f32>(0.58, 0.52, 0.43), vec3<f32>(0.58, 0.43, 0.28), r.x);
-    return mix(plaster, vec3<f32>(0.50, 0.49, 0.47), step(0.75, r.y)) * (0.85 + 0.25 * r.z);
-}
-
-fn bare_ground(normal: vec3<f32>) -> vec3<f32> {
-    let grass = vec3<f32>(0.19, 0.21, 0.105);
-    let rock = vec3<f32>(0.27, 0.25, 0.22);
-    return mix(rock, grass, smoothstep(0.75, 0.97, normal.z));
+fn bare_ground(height: f32, normal: vec3<f32>, direction: vec3<f32>, pixel_m: f32) -> vec3<f32> {
+    let slope = length(normal.xy) / max(normal.z, 0.05);
+    let size = pixel_m / sqrt(max(abs(dot(direction, normal)), 0.05));
+    let lines = max(
+        max(0.45 * contour(height, CONTOUR_M, slope, size), 0.75 * contour(height, 5.0 * CONTOUR_M, slope, size)),
+        0.75 * contour(height, 25.0 * CONTOUR_M, slope, size),
+    );
+    return mix(PAPER, CONTOUR, lines);
 }
 
 // Rays leave a surface from so far above it, metres: a fixed part, and what the rounding of a distance takes.
@@ -111,16 +112,35 @@ fn receive(start: vec3<f32>, normal: vec3<f32>, to_sky: vec3<f32>, to_sun: vec3<
     return received;
 }
 
-// Numbers in 0..1 for a pixel's sample. In the plane: three low-discrepancy masks, so that neighbours differ evenly (R2: Roberts 2018;
-// interleaved gradient noise: Jimenez 2014). Along the samples: R3 (Roberts 2018).
-fn sample_numbers(pixel: vec2<i32>, index: u32) -> vec3<f32> {
-    let p = vec2<f32>(pixel);
-    let mask = vec3<f32>(
-        dot(p, vec2<f32>(0.75487767, 0.56984029)),
-        52.9829189 * fract(dot(p, vec2<f32>(0.06711056, 0.00583715))),
-        dot(p, vec2<f32>(0.56984029, 0.75487767)) + 0.5,
-    );
-    return fract(fract(mask) + f32(index) * vec3<f32>(0.8191725, 0.6710436, 0.5497005));
+// Reflectance of glass at normal incidence (index 1.52); exponent of its gloss.
+const GLASS_REFLECTANCE: f32 = 0.0426;
+const GLASS_GLOSS: f32 = 1800.0;
+// What stands across a street, as a window mirrors it: metres away, as high as the window's own building. An estimate: no ray is cast.
+const STREET_M: f32 = 16.0;
+// Radiance of a lit window at night.
+const LAMP: vec3<f32> = vec3<f32>(0.60, 0.40, 0.19);
+
+// Radiance that a pane sends on: what it mirrors of sky, street and sun; and how much it lets through.
+struct Mirrored {
+    radiance: vec3<f32>,
+    passes: f32,
+}
+
+fn mirrored(direction: vec3<f32>, normal: vec3<f32>, below_roof: f32, received: Received) -> Mirrored {
+    let facing = max(-dot(direction, normal), 0.0);
+    let reflectance = GLASS_REFLECTANCE + (1.0 - GLASS_REFLECTANCE) * pow(1.0 - facing, 5.0);
+    let way = reflect(direction, normal);
+    // Sky over the houses opposite, their walls below it.
+    let edge = max(below_roof, 0.0) / STREET_M;
+    let sky_part = smoothstep(edge - 0.08, edge + 0.08, way.z / max(length(way.xy), 1.0e-3));
+    let wall = 0.35 / PI * sky_irradiance(-vec3<f32>(way.xy, 0.0)) * vec3<f32>(1.0, 0.96, 0.90);
+    var radiance = mix(wall, sky_colour(normalize(vec3<f32>(way.xy, max(way.z, 0.0)))), sky_part);
+    if received.sun {
+        let half_way = normalize(frame.sun.xyz - direction);
+        let gloss = (GLASS_GLOSS + 2.0) / (8.0 * PI) * pow(max(dot(normal, half_way), 0.0), GLASS_GLOSS);
+        radiance += min(frame.sun_irradiance.xyz * gloss, vec3<f32>(400.0));
+    }
+    return Mirrored(reflectance * radiance, 1.0 - reflectance);
 }
 
 @fragment
@@ -136,22 +156,34 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     }
     let at = direction * t;
     let is_ground = t_ground <= t_relief;
+    let pixel_m = t * frame.pixel_angle;
     var id = 0u;
     var normal: vec3<f32>;
-    var albedo: vec3<f32>;
+    var material: Material;
+    var below_roof = 0.0;
     if !is_ground {
         id = relief.y;
         normal = unpack_normal(relief.w);
+        let facade = textureLoad(relief_facade, pixel, 0);
+        let place = bitcast<vec3<f32>>(facade.xyz);
         if normal.z > 0.5 {
+            // Counted from the eye's tile, so that it stays where it is.
+            let plan = fract((frame.eye_in_tile + at.xy) / frame.tile_m) * frame.tile_m;
+            material = roof_material(facade.w, id, plan, direction, pixel_m);
             let seen = imagery_at(at.xy, t, abs(direction.z));
-            albedo = mix(roof_colour(id), seen.rgb, seen.a);
+            material.albedo = mix(material.albedo, seen.rgb, seen.a);
+            material.normal = mix(material.normal, normal, seen.a);
         } else {
-            albedo = wall_colour(id);
+            let above_base = at.z - place.y;
+            below_roof = place.z - above_base;
+            let wall = WallPosition(bitcast<f32>(relief.z), place.x, above_base, place.z);
+            material = wall_material(facade.w, id, wall, normal, direction, pixel_m);
         }
     } else {
         normal = unpack_normal(textureLoad(ground_normal, pixel, 0).x);
         let seen = imagery_at(at.xy, t, abs(dot(direction, normal)));
-        albedo = mix(bare_ground(normal), seen.rgb, seen.a);
+        let albedo = mix(bare_ground(at.z + frame.eye_elevation, normal, direction, pixel_m), seen.rgb, seen.a);
+        material = Material(albedo, normal, 0.0, 0.0);
     }
     let random = sample_numbers(pixel, frame.sample);
     let start = lifted(at, normal, is_ground);
@@ -160,8 +192,14 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let to_sky = around(normal, sqrt(random.x), azimuth);
     let to_sun = around(frame.sun.xyz, frame.sun.w * sqrt(random.z), azimuth);
     let received = receive(start, normal, to_sky, to_sun);
-    let sky = sky_irradiance(normal) * received.sky;
-    let sun = select(vec3<f32>(0.0), frame.sun_irradiance.xyz * dot(normal, to_sun), received.sun);
-    let radiance = albedo / PI * (sun + sky);
+    let sky = sky_irradiance(material.normal) * received.sky;
+    let sunlight = frame.sun_irradiance.xyz * max(dot(material.normal, to_sun), 0.0);
+    let sun = select(vec3<f32>(0.0), sunlight, received.sun);
+    var radiance = material.albedo / PI * (sun + sky);
+    if material.glass > 0.0 {
+        let pane = mirrored(direction, material.normal, below_roof, received);
+        let lamp = LAMP * material.lit * (1.0 - day(frame.sun.z));
+        radiance = mix(radiance, pane.radiance + pane.passes * (radiance + lamp), material.glass);
+    }
     return Shaded(vec4<f32>(through_haze(radiance, direction, t), 1.0), t, id);
 }

@@ -2,6 +2,7 @@
 
 use geo::{BoundingRect, CoordsIter, MultiPolygon};
 
+use crate::material::{BuildingMaterial, FacadeRules};
 use crate::source::{Footprint, RoofSpec};
 use crate::space::Bounds;
 
@@ -16,6 +17,8 @@ pub struct Building {
     pub base_m: f64,
     /// Elevation of the flat roof, metres.
     pub roof_m: f64,
+    /// What it is made of.
+    pub material: BuildingMaterial,
 }
 
 /// The footprint has no ground under any vertex.
@@ -33,9 +36,10 @@ impl Building {
         })
     }
 
-    /// Stands the footprint on its base. True beside it when part of the outline lies over missing ground.
+    /// Stands the footprint on its base and gives it a material. True beside it when part of the outline lies over missing ground.
     pub fn on_ground(
         footprint: Footprint,
+        rules: &FacadeRules,
         ground: impl Fn(f64, f64) -> Option<f64>,
     ) -> Result<(Self, bool), NoGround> {
         let (base_m, partly_missing) = base_of(&footprint.outline, ground).ok_or(NoGround)?;
@@ -43,11 +47,18 @@ impl Building {
             RoofSpec::HeightAboveBase(height_m) => base_m + height_m,
             RoofSpec::Elevation(roof_m) => roof_m,
         };
+        let material = rules.material(
+            footprint.fid,
+            &footprint.outline,
+            roof_m - base_m,
+            &footprint.traits,
+        );
         let building = Self {
             fid: footprint.fid,
             outline: footprint.outline,
             base_m,
             roof_m,
+            material,
         };
         Ok((building, partly_missing))
     }

@@ -40,8 +40,8 @@ pub struct OutlineVertex {
     pub x_m: f32,
     /// Metres north of the tile's corner.
     pub y_m: f32,
-    /// Length along the outline from the ring's first vertex, metres (the facade coordinate).
-    pub along_m: f32,
+    /// Bays along the outline to this vertex (the facade coordinate, [`super::facade_coordinates`]).
+    pub bays: f32,
     /// Index of the building in `roofs`.
     pub building: u32,
 }
@@ -55,6 +55,8 @@ pub struct RoofRecord {
     pub base_m: f32,
     /// Id in the footprint dataset of record.
     pub fid: u32,
+    /// What it is made of: [`crate::material::BuildingMaterial::code`].
+    pub material: u32,
 }
 
 /// A block of 4 x 4 texels.

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::cell::{Full, INDEX_LIMIT};
 use super::map::{OutlineVertex, RoofRecord};
-use super::{Building, BuildingMap, CellKind, Run};
+use super::{Building, BuildingMap, CellKind, Run, facade_coordinates};
 use crate::space::Bounds;
 
 /// A tile holds more outline than a code can index.
@@ -80,12 +80,14 @@ impl Work {
             roof_m: building.roof_m as f32,
             base_m: building.base_m as f32,
             fid: building.fid,
+            material: building.material.code(),
         });
         let first_touch = self.touches.len();
         let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); self.side];
         for polygon in &building.outline {
             for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
-                self.add_ring(ring, index, &mut crossings);
+                let bays = facade_coordinates(ring, building.material.facade.bay_m());
+                self.add_ring(ring, (index, &bays), &mut crossings);
             }
         }
         self.touches[first_touch..].sort_unstable();
@@ -100,12 +102,16 @@ impl Work {
         ]
     }
 
-    fn add_ring(&mut self, ring: &LineString<f64>, building: u32, crossings: &mut [Vec<f64>]) {
-        let mut along = 0.0;
+    /// `bays`: the facade coordinate of the ring's vertices.
+    fn add_ring(
+        &mut self,
+        ring: &LineString<f64>,
+        (building, bays): (u32, &[f64]),
+        crossings: &mut [Vec<f64>],
+    ) {
         let mut last_stored: Option<[f64; 2]> = None;
-        for edge in ring.lines() {
+        for (edge, bays) in ring.lines().zip(bays.windows(2)) {
             let (a, b) = (self.local(edge.start), self.local(edge.end));
-            let length = (edge.dx()).hypot(edge.dy());
             self.cross_rows(a, b, crossings);
             let first_cell_touch = self.touches.len();
             let index = match last_stored {
@@ -115,22 +121,21 @@ impl Work {
             self.touch_cells(a, b, building, index);
             if self.touches.len() > first_cell_touch {
                 if last_stored.is_none() {
-                    self.push_vertex(a, along, building);
+                    self.push_vertex(a, bays[0], building);
                 }
-                self.push_vertex(b, along + length, building);
+                self.push_vertex(b, bays[1], building);
                 last_stored = Some(b);
             } else {
                 last_stored = None;
             }
-            along += length;
         }
     }
 
-    fn push_vertex(&mut self, [x, y]: [f64; 2], along: f64, building: u32) {
+    fn push_vertex(&mut self, [x, y]: [f64; 2], bays: f64, building: u32) {
         self.vertices.push(OutlineVertex {
             x_m: x as f32,
             y_m: y as f32,
-            along_m: along as f32,
+            bays: bays as f32,
             building,
         });
     }

@@ -5,8 +5,8 @@
 //! `HeightTile::mesh_parts`); [`mesh_errors`] tells how many.
 //!
 //! Buildings: on level 0 first roof elevation and building id per texel (what a GIS shows). Then the words of the building map,
-//! outline vertices (x, y, along, building; f32, the building's bits as they are), roofs (roof, base, fid as u32 bits; the last row
-//! has the map's highest roof and lowest ground).
+//! outline vertices (x, y, bays, building; f32, the building's bits as they are), roofs (roof, base, fid and material as u32 bits; the
+//! last row has the map's highest roof and lowest ground).
 //!
 //! Imagery: one RGBA page.
 //!
@@ -131,13 +131,13 @@ pub fn write_buildings(
     let vertices = map
         .vertices
         .iter()
-        .flat_map(|v| [v.x_m.to_bits(), v.y_m.to_bits(), v.along_m.to_bits(), v.building]);
+        .flat_map(|v| [v.x_m.to_bits(), v.y_m.to_bits(), v.bays.to_bits(), v.building]);
     let records = map
         .roofs
         .iter()
-        .flat_map(|r| [r.roof_m.to_bits(), r.base_m.to_bits(), r.fid]);
+        .flat_map(|r| [r.roof_m.to_bits(), r.base_m.to_bits(), r.fid, r.material]);
     let [lowest, highest] = map.height_range.map(f32::to_bits);
-    let records = records.chain([highest, lowest, 0]);
+    let records = records.chain([highest, lowest, 0, 0]);
     // A TIFF page has at least one row: tables end with a row of padding.
     let padded = |mut values: Vec<u32>, columns: usize| {
         values.resize(values.len() + columns, 0);
@@ -150,7 +150,7 @@ pub fn write_buildings(
     pages.extend([
         table(1, padded(map.words.clone(), 1)),
         table(4, padded(vertices.collect(), 4)),
-        table(3, records.collect()),
+        table(4, records.collect()),
     ]);
     write(path, &pages, keys)
 }
@@ -201,10 +201,10 @@ pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, Cit
         reader.skip([Some(side), Some(side)])?;
     }
     let mut table = |columns: usize| Ok::<_, CityError>(reader.words([Some(columns), None])?.0);
-    let (mut words, vertices, roofs) = (table(1)?, table(4)?, table(3)?);
+    let (mut words, vertices, roofs) = (table(1)?, table(4)?, table(4)?);
     words.pop();
     let (vertices, _) = vertices.as_chunks::<4>();
-    let (roofs, _) = roofs.as_chunks::<3>();
+    let (roofs, _) = roofs.as_chunks::<4>();
     let (Some((_, vertices)), Some((range, roofs))) = (vertices.split_last(), roofs.split_last()) else {
         return Err(damaged(path, "a table has no row".to_owned()));
     };
@@ -215,19 +215,20 @@ pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, Cit
         words,
         vertices: vertices
             .iter()
-            .map(|&[x, y, along, building]| OutlineVertex {
+            .map(|&[x, y, bays, building]| OutlineVertex {
                 x_m: f32::from_bits(x),
                 y_m: f32::from_bits(y),
-                along_m: f32::from_bits(along),
+                bays: f32::from_bits(bays),
                 building,
             })
             .collect(),
         roofs: roofs
             .iter()
-            .map(|&[roof, base, fid]| RoofRecord {
+            .map(|&[roof, base, fid, material]| RoofRecord {
                 roof_m: f32::from_bits(roof),
                 base_m: f32::from_bits(base),
                 fid,
+                material,
             })
             .collect(),
     };

@@ -35,6 +35,14 @@ pub enum CityError {
         /// What is wrong.
         why: String,
     },
+    /// A file of facade rules cannot be used.
+    #[error("{}: is no file of facade rules ({why})", path.display())]
+    Rules {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
     /// The folder is no city.
     #[error("{}: is not a city ({why})", path.display())]
     NotACity {

@@ -7,7 +7,7 @@ use crate::source::{FootprintReport, HeightRule};
 use crate::space::{Accuracy, Crs, Operation, Place, TileGrid};
 
 /// Version of the folder's layout; a reader refuses others.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// The whole of `city.toml`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

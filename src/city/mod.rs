@@ -10,6 +10,7 @@ mod layer;
 mod import;
 mod manifest;
 mod raised_footprints;
+mod rules_file;
 mod staging;
 mod store;
 mod tile;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::ground_cache::GroundCache;
 use super::{City, CityError};
 use crate::buildings::{Building, BuildingMap, MapTooLarge, rasterise};
+use crate::material::FacadeRules;
 use crate::source::{Footprint, FootprintDataset, FootprintReport, HeightOrigin};
 use crate::space::{Crs, TileGrid, TileId};
 
@@ -25,9 +26,10 @@ pub struct RaisedFootprints {
     pub groundless: u64,
 }
 
-/// Gives every footprint its base and roof. `ground`: metres at a point of the city.
+/// Gives every footprint its base, roof and material. `ground`: metres at a point of the city.
 pub fn raise_footprints(
     footprints: Vec<Footprint>,
+    rules: &FacadeRules,
     ground: impl Fn(f64, f64) -> Option<f64> + Sync,
 ) -> RaisedFootprints {
     let count = footprints.len();
@@ -35,7 +37,7 @@ pub fn raise_footprints(
         .into_par_iter()
         .filter_map(|footprint| {
             let origin = footprint.height_origin;
-            let (building, partly_missing) = Building::on_ground(footprint, &ground).ok()?;
+            let (building, partly_missing) = Building::on_ground(footprint, rules, &ground).ok()?;
             Some((building, partly_missing, origin))
         })
         .collect();
@@ -55,10 +57,11 @@ pub fn raise_footprints(
 /// When a terrain tile is damaged.
 pub fn raise_on_tiles(
     footprints: Vec<Footprint>,
+    rules: &FacadeRules,
     ground: &GroundCache,
 ) -> Result<RaisedFootprints, CityError> {
     let failure: Mutex<Option<CityError>> = Mutex::new(None);
-    let raised = raise_footprints(footprints, |x, y| {
+    let raised = raise_footprints(footprints, rules, |x, y| {
         ground.at(x, y).unwrap_or_else(|error| {
             let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
             failure.get_or_insert(error);
@@ -134,6 +137,6 @@ impl City {
             manifest.terrain_side,
             manifest.terrain_step_m,
         );
-        Ok(raise_on_tiles(footprints, &ground)?.buildings)
+        Ok(raise_on_tiles(footprints, &self.facade_rules()?, &ground)?.buildings)
     }
 }

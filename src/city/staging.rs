@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::durable::sync;
 use super::layer::Layer;
+use super::rules_file::FACADES;
 use super::update::{COMMITTED, CityLock, PARTIAL};
 use super::{City, CityError};
 
@@ -18,7 +19,7 @@ pub struct Staging {
 
 const CACHE_KEY: &str = "import.cache_key";
 /// What a city folder holds, beside its layers' folders.
-const FILES: [&str; 4] = ["city.toml", "buildings.gpkg", PARTIAL, COMMITTED];
+const FILES: [&str; 5] = ["city.toml", "buildings.gpkg", FACADES, PARTIAL, COMMITTED];
 
 impl Staging {
     /// Opens the staging folder of `target`. Tiles left by an import with the same `cache_key` (its options and its

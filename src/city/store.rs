@@ -6,9 +6,11 @@ use std::time::SystemTime;
 use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
 use super::manifest::FORMAT;
+use super::rules_file::rules_of;
 use super::update::Pending;
 use super::{CityError, ImageryTile, Manifest, Tile};
 use crate::buildings::BuildingMap;
+use crate::material::FacadeRules;
 use crate::space::TileId;
 
 /// A city on disk.
@@ -127,6 +129,14 @@ impl City {
     /// The footprint dataset of record.
     pub fn footprint_dataset_path(&self) -> PathBuf {
         self.folder.join("buildings.gpkg")
+    }
+
+    /// The rules that give its buildings their facades: those of the folder's `facades.toml`, the project's own without one.
+    ///
+    /// # Errors
+    /// When the file cannot be read or used.
+    pub fn facade_rules(&self) -> Result<FacadeRules, CityError> {
+        rules_of(&self.folder).map(|(rules, _)| rules)
     }
 
     /// A tile's path, when it exists as a plain file.

@@ -85,6 +85,9 @@ fn for_city(error: &CityError) -> Option<String> {
         CityError::ChangedAndDeleted { .. } => {
             "leave it out of the file of changes, or out of --delete".to_owned()
         }
+        CityError::Rules { .. } => {
+            "mend it: data/facades.toml of this program is an example that says how".to_owned()
+        }
         CityError::Crs(_)
         | CityError::File { .. }
         | CityError::Tile { .. }

@@ -68,6 +68,10 @@ pub struct ImportArgs {
     /// Side of a building-map texel, metres.
     #[arg(long, default_value_t = 1.0)]
     texel: f64,
+    /// Rules that give buildings their facades and roofs [default: facades.toml of the city that is replaced, or the program's own;
+    /// the city folder gets a copy to edit].
+    #[arg(long)]
+    facades: Option<PathBuf>,
     /// The city folder to make.
     #[arg(long)]
     out: PathBuf,
@@ -103,6 +107,7 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         fill_m: args.fill,
         margin_m: args.margin,
         texel_m: args.texel,
+        facades: args.facades,
         out: args.out,
     };
     let report = import(&options)?;

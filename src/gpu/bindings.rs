@@ -93,6 +93,20 @@ impl Gpu {
         })
     }
 
+    /// A sampler between texels and levels of images that repeat.
+    pub fn tiling_sampler(&self, label: &str) -> wgpu::Sampler {
+        self.count_creation();
+        self.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some(label),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        })
+    }
+
     /// A sampler between texels and, with `mips`, between levels.
     pub fn linear_sampler(&self, label: &str, mips: bool) -> wgpu::Sampler {
         self.count_creation();

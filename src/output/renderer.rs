@@ -41,7 +41,7 @@ impl Renderer {
     pub fn open(gpu: Gpu, city: &City, options: impl Into<PoolOptions>) -> Result<Self, RenderError> {
         let resident = Resident::open(&gpu, city, options.into())?;
         let renderer = Self {
-            relief: ReliefPass::new(&gpu, &resident),
+            relief: ReliefPass::new(&gpu, &resident)?,
             accumulate: AccumulatePass::new(&gpu),
             flare: FlarePass::new(&gpu),
             tone_map: ToneMapPass::new(&gpu),

@@ -8,27 +8,32 @@ use bytemuck::{Pod, Zeroable};
 use geo::{LineString, Polygon, TriangulateEarcut};
 use glam::DVec3;
 
-use crate::buildings::Building;
+use crate::buildings::{Building, facade_coordinates};
 use crate::space::Bounds;
 
-/// A vertex, 24 bytes.
+/// A vertex, 40 bytes.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct MeshVertex {
     /// Metres from the mesh's origin.
     pub position: [f32; 3],
-    /// Facade coordinate, metres along the outline.
-    pub along_m: f32,
+    /// Facade coordinate, bays along the outline.
+    pub bays: f32,
     /// Octahedral normal, as `pack_normal` in `shaders/lib/frame.wgsl`.
     pub normal: u32,
     /// Id of the building.
     pub fid: u32,
+    /// What the building is made of.
+    pub material: u32,
+    /// Bays a metre, 0 on a roof; elevation of the base, metres from the mesh's origin; height of the roof above it, metres.
+    pub facade: [f32; 3],
 }
 
 impl MeshVertex {
     /// As `shaders/relief/polygons.wgsl` takes them.
-    pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Uint32, 3 => Uint32];
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Float32, 2 => Uint32, 3 => Uint32, 4 => Uint32, 5 => Float32x3
+    ];
 }
 
 /// Triangles of many buildings.
@@ -98,45 +103,58 @@ impl BuildingMesh {
         });
     }
 
-    fn push(&mut self, position: DVec3, along_m: f64, normal: u32, fid: u32) -> u32 {
+    /// `bays`: the facade coordinate, and bays a metre.
+    fn push(&mut self, building: &Building, position: DVec3, bays: [f64; 2], origin: DVec3) -> u32 {
+        let facade = [
+            bays[1],
+            building.base_m - origin.z,
+            building.roof_m - building.base_m,
+        ];
         self.vertices.push(MeshVertex {
-            position: position.as_vec3().to_array(),
-            along_m: along_m as f32,
-            normal,
-            fid,
+            position: (position - origin).as_vec3().to_array(),
+            bays: bays[0] as f32,
+            normal: 0,
+            fid: building.fid,
+            material: building.material.code(),
+            facade: facade.map(|value| value as f32),
         });
         self.vertices.len() as u32 - 1
     }
 
     fn add_walls(&mut self, building: &Building, ring: &LineString<f64>, origin: DVec3) {
-        let mut along = 0.0;
-        for edge in ring.lines() {
+        let bays = facade_coordinates(ring, building.material.facade.bay_m());
+        for (edge, bays) in ring.lines().zip(bays.windows(2)) {
             let length = edge.dx().hypot(edge.dy());
             let normal = pack_normal([edge.dy() / length, -edge.dx() / length, 0.0]);
-            let corners = [(edge.start, 0.0), (edge.end, length)].map(|(point, u)| {
+            let bays_per_m = (bays[1] - bays[0]) / length;
+            let first = self.vertices.len();
+            let corners = [(edge.start, bays[0]), (edge.end, bays[1])].map(|(point, bays)| {
                 [building.base_m - FOUNDATION_M, building.roof_m].map(|height| {
-                    self.push(
-                        DVec3::new(point.x, point.y, height) - origin,
-                        along + u,
-                        normal,
-                        building.fid,
-                    )
+                    let position = DVec3::new(point.x, point.y, height);
+                    self.push(building, position, [bays, bays_per_m], origin)
                 })
             });
+            self.set_normals(first, normal);
             let [[a, d], [b, c]] = corners;
             self.indices.extend([a, b, c, a, c, d]);
-            along += length;
+        }
+    }
+
+    /// Gives the vertices from `first` on a packed normal.
+    fn set_normals(&mut self, first: usize, normal: u32) {
+        for vertex in &mut self.vertices[first..] {
+            vertex.normal = normal;
         }
     }
 
     fn add_roof(&mut self, building: &Building, polygon: &Polygon<f64>, origin: DVec3) {
-        let up = pack_normal([0.0, 0.0, 1.0]);
         let raw = polygon.earcut_triangles_raw();
         let first = self.vertices.len() as u32;
         for point in &raw.vertices {
-            let position = DVec3::new(point[0], point[1], building.roof_m) - origin;
-            self.push(position, 0.0, up, building.fid);
+            let position = DVec3::new(point[0], point[1], building.roof_m);
+            self.push(building, position, [0.0; 2], origin);
         }
+        self.set_normals(first as usize, pack_normal([0.0, 0.0, 1.0]));
         for triangle in raw.triangle_indices.chunks_exact(3) {
             let corner = |k: usize| raw.vertices[triangle[k]];
             let [a, b, c] = [corner(0), corner(1), corner(2)];

@@ -2,6 +2,7 @@
 
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
+use crate::material::{FACADE_LAYERS, FacadeBand, MAX_SLOPE, ROOF_M, TILE_SIZE};
 use crate::scene::{POOL_QUADS, POOL_WORDS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
 use crate::terrain::GroundBounds;
 
@@ -37,5 +38,13 @@ pub const CONSTANTS: &[Constant] = &[
     ("SKIRT_BIT", ConstantValue::Uint(SKIRT_BIT)),
     ("SKIRT_M", ConstantValue::Float(SKIRT_M)),
     ("GROUND_BLOCKS", ConstantValue::Int(GroundBounds::BLOCKS as i32)),
+    ("FACADE_BANDS", ConstantValue::Uint(FacadeBand::ALL.len() as u32)),
+    ("FACADE_LAYERS", ConstantValue::Uint(FACADE_LAYERS)),
+    ("ROOF_M", ConstantValue::Float2(ROOF_M)),
+    (
+        "TILE_SIZE",
+        ConstantValue::Float2([TILE_SIZE[0] as f32, TILE_SIZE[1] as f32]),
+    ),
+    ("MAX_SLOPE", ConstantValue::Float(MAX_SLOPE)),
     ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
 ];

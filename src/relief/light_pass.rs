@@ -6,31 +6,43 @@ use super::context::{PassContext, pass_number};
 use super::shaders::LIGHT;
 use super::targets::{FAR_COLOR, ReliefTargets};
 use crate::gpu::{
-    BySize, FILTERED, FLOAT, Gpu, PipelineParameters, SAMPLER, color_target, shader_module, texture,
-    texture_array,
+    BySize, FILTERED, FLOAT, Gpu, GpuError, PipelineParameters, SAMPLER, color_target, shader_module,
+    texture, texture_array,
 };
+use crate::material::MaterialTextures;
 use crate::scene::ImageryPool;
 
 /// The pipeline.
 pub struct LightPass {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
+    tiling_sampler: wgpu::Sampler,
+    materials: MaterialTextures,
     input_layout: wgpu::BindGroupLayout,
     input: BySize<wgpu::BindGroup>,
 }
 
 impl LightPass {
-    /// Group 2: the ground's distance and normal, the relief's surface, imagery and its sampler.
-    pub const INPUT: [wgpu::BindingType; 5] = [
+    /// Group 2: the ground's distance and normal, the buildings' surface and facade, imagery and its sampler; colours and details of
+    /// the materials, their sampler, the palette.
+    pub const INPUT: [wgpu::BindingType; 10] = [
         texture(FLOAT),
+        texture(Uint),
         texture(Uint),
         texture(Uint),
         texture_array(FILTERED),
         SAMPLER,
+        texture_array(FILTERED),
+        texture_array(FILTERED),
+        SAMPLER,
+        texture(FLOAT),
     ];
 
     /// For the layouts of groups 0 and 1.
-    pub fn new(gpu: &Gpu, [frame, city]: [&wgpu::BindGroupLayout; 2]) -> Self {
+    ///
+    /// # Errors
+    /// When the device cannot hold the materials.
+    pub fn new(gpu: &Gpu, [frame, city]: [&wgpu::BindGroupLayout; 2]) -> Result<Self, GpuError> {
         let module = shader_module(gpu, &LIGHT);
         let input_layout = gpu.layout("shade input", &Self::INPUT);
         let targets = [
@@ -39,24 +51,32 @@ impl LightPass {
             color_target(wgpu::TextureFormat::R32Uint),
         ];
         let layouts = [frame, city, &input_layout];
-        Self {
+        Ok(Self {
             pipeline: gpu.pipeline(&PipelineParameters::fullscreen(
                 "shade", &module, &layouts, &targets,
             )),
             sampler: gpu.linear_sampler("imagery", true),
+            tiling_sampler: gpu.tiling_sampler("materials"),
+            materials: MaterialTextures::new(gpu)?,
             input_layout,
             input: BySize::default(),
-        }
+        })
     }
 
     /// Binds the targets of a new size.
     pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets, imagery: &ImageryPool) {
+        let view = wgpu::BindingResource::TextureView;
         let resources = [
             targets.ground_distance.binding(),
             targets.ground_normal.binding(),
             targets.building_surface.binding(),
-            wgpu::BindingResource::TextureView(&imagery.layers.view),
+            targets.building_facade.binding(),
+            view(&imagery.layers.view),
             wgpu::BindingResource::Sampler(&self.sampler),
+            view(&self.materials.colour.view),
+            view(&self.materials.detail.view),
+            wgpu::BindingResource::Sampler(&self.tiling_sampler),
+            view(&self.materials.palette),
         ];
         let layout = &self.input_layout;
         self.input

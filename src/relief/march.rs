@@ -27,8 +27,8 @@ pub struct Hit {
     pub building: u32,
     /// First vertex of the wall, none for a roof.
     pub edge: Option<u32>,
-    /// Facade coordinate: metres along the outline, 0 on a roof.
-    pub along_m: f32,
+    /// Facade coordinate: bays along the outline, 0 on a roof.
+    pub bays: f32,
     /// Id of the building.
     pub fid: u32,
     /// Outward normal of the wall, a unit vector in plan; none for a roof.
@@ -127,6 +127,7 @@ fn visit_cell(
                     let vertex = &map.vertices[index as usize];
                     Vec2::new(vertex.x_m, vertex.y_m)
                 };
+                let bays_at = |index: u32| map.vertices[index as usize].bays;
                 let mut a = vertex(run.first);
                 let edges = if dips { run.edges } else { 0 };
                 for edge in run.first..run.first + edges {
@@ -144,7 +145,7 @@ fn visit_cell(
                                     t,
                                     building,
                                     edge: Some(edge),
-                                    along_m: map.vertices[edge as usize].along_m + u * along.length(),
+                                    bays: bays_at(edge) + u * (bays_at(edge + 1) - bays_at(edge)),
                                     fid: record.fid,
                                     wall_normal: Some(Vec2::new(along.y, -along.x).normalize()),
                                 });
@@ -175,7 +176,7 @@ fn visit_cell(
                 t: t_roof,
                 building,
                 edge: None,
-                along_m: 0.0,
+                bays: 0.0,
                 fid: record.fid,
                 wall_normal: None,
             });
@@ -209,7 +210,7 @@ fn visit_column(
         t,
         building: full.building,
         edge: None,
-        along_m: 0.0,
+        bays: 0.0,
         fid: record.fid,
         wall_normal,
     };

@@ -57,23 +57,26 @@ impl ReliefPass {
     pub const FRAME: [wgpu::BindingType; 1] = [UNIFORM];
 
     /// Compiles the pipelines.
-    pub fn new(gpu: &Gpu, resident: &Resident) -> Self {
+    ///
+    /// # Errors
+    /// When the device cannot hold the materials.
+    pub fn new(gpu: &Gpu, resident: &Resident) -> Result<Self, GpuError> {
         let uniforms = Uniform::new(gpu, "frame");
         let frame_layout = gpu.layout("frame", &Self::FRAME);
         let city = CityBindings::new(gpu, resident);
         let layouts = [&frame_layout, &city.layout];
-        Self {
+        Ok(Self {
             frame: gpu.group("frame", &frame_layout, &[uniforms.binding()]),
             uniforms,
             ground: GroundPass::new(gpu, layouts),
             cone: ConePass::new(gpu, layouts),
             exact: ExactPass::new(gpu, layouts),
-            shade: LightPass::new(gpu, layouts),
+            shade: LightPass::new(gpu, layouts)?,
             polygons: None,
             targets: BySize::default(),
             frame_layout,
             city,
-        }
+        })
     }
 
     /// Binds the resident city again, as parts of it were made anew.

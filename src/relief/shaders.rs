@@ -38,6 +38,7 @@ pub const EXACT: ShaderSource = ShaderSource {
         shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
         shader_file!("lib/march.wgsl"),
+        shader_file!("lib/building_texels.wgsl"),
         shader_file!("relief/exact.wgsl"),
     ],
 };
@@ -48,6 +49,7 @@ pub const POLYGONS: ShaderSource = ShaderSource {
     constants: CONSTANTS,
     files: &[
         shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/building_texels.wgsl"),
         shader_file!("relief/polygons.wgsl"),
     ],
 };
@@ -64,6 +66,8 @@ pub const LIGHT: ShaderSource = ShaderSource {
         shader_file!("lib/march.wgsl"),
         shader_file!("lib/ground_march.wgsl"),
         shader_file!("lib/sky.wgsl"),
+        shader_file!("lib/random.wgsl"),
+        shader_file!("lib/facade.wgsl"),
         shader_file!("fullscreen.wgsl"),
         shader_file!("relief/light.wgsl"),
     ],

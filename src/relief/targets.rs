@@ -28,9 +28,9 @@ pub fn reversed_depth() -> wgpu::DepthStencilState {
     }
 }
 
-/// Format of the buildings' target.
-pub fn relief_target_states() -> [Option<wgpu::ColorTargetState>; 1] {
-    [color_target(wgpu::TextureFormat::Rgba32Uint)]
+/// Formats of the buildings' targets.
+pub fn relief_target_states() -> [Option<wgpu::ColorTargetState>; 2] {
+    [wgpu::TextureFormat::Rgba32Uint; 2].map(color_target)
 }
 
 /// Images of one size that the pass draws.
@@ -45,8 +45,10 @@ pub struct ReliefTargets {
     pub ground_normal: Target,
     /// Per block of pixels: metres along its view rays without a building.
     pub cone_distance: Target,
-    /// Buildings: bits of the metres along the view ray, id, bits of the facade coordinate, packed normal.
+    /// Buildings: bits of the metres along the view ray, id, bits of the facade coordinate (bays), packed normal.
     pub building_surface: Target,
+    /// Buildings: bits of the bays a metre, the base and the height, what they are made of (`shaders/lib/building_texels.wgsl`).
+    pub building_facade: Target,
     /// Linear radiance.
     pub radiance: Target,
     /// Metres along the view ray of what is seen, 3e38 for sky.
@@ -72,6 +74,7 @@ impl ReliefTargets {
                 Format::R32Float,
             ),
             building_surface: target("building surface", Format::Rgba32Uint),
+            building_facade: target("building facade", Format::Rgba32Uint),
             radiance: target("radiance", Format::Rgba16Float),
             distance: target("distance", Format::R32Float),
             id: target("id", Format::R32Uint),
@@ -87,7 +90,10 @@ impl ReliefTargets {
     ) -> wgpu::RenderPass<'a> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("buildings"),
-            color_attachments: &[band.attachment(&self.building_surface, NO_BUILDING)],
+            color_attachments: &[
+                band.attachment(&self.building_surface, NO_BUILDING),
+                band.attachment(&self.building_facade, wgpu::Color::TRANSPARENT),
+            ],
             depth_stencil_attachment: self.depth.cleared_depth(),
             timestamp_writes: timestamps,
             ..Default::default()

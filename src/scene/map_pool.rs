@@ -31,13 +31,27 @@ pub struct TileRecord {
 /// Records of 16 bytes that a tile's record takes.
 const RECORD_QUADS: u32 = (size_of::<TileRecord>() / size_of::<[u32; 4]>()) as u32;
 
-/// A vertex of an outline, or a roof; layout of `VertexRecord` in `shaders/lib/building_map.wgsl`.
+/// A vertex of an outline; layout of `VertexRecord` in `shaders/lib/building_map.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct VertexRecord {
     /// Metres from the tile's south-west corner.
     pub position: [f32; 2],
-    /// Elevation of the building's roof, metres.
+    /// Elevation of the building's roof, metres: it stands where a roof's record has it.
+    pub roof_m: f32,
+    /// Index of the building in its tile.
+    pub building: u32,
+}
+
+/// A roof; layout of `RoofRecord` in `shaders/lib/building_map.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct RoofRecord {
+    /// Lowest ground at the building's outline, metres.
+    pub base_m: f32,
+    /// What the building is made of.
+    pub material: u32,
+    /// Elevation of the roof, metres.
     pub roof_m: f32,
     /// Id of the building.
     pub fid: u32,
@@ -55,7 +69,7 @@ pub struct MapPut {
 
 /// The building maps of all resident tiles.
 pub struct MapPool {
-    /// Lengths along outlines, and the maps' words.
+    /// Facade coordinates of outline vertices, and the maps' words.
     pub words: TexelPool,
     /// Of each tile its record, roofs, nodes of the pyramid, outline vertices, blocks.
     pub quads: TexelPool,
@@ -107,8 +121,8 @@ impl MapPool {
     pub fn put(&mut self, gpu: &Gpu, tile: &MapTile) -> Result<MapPut, SceneError> {
         let MapTile { map, pyramid } = tile;
         let device = DeviceMap::new(map);
-        let lengths = map.vertices.iter().rev().map(|vertex| vertex.along_m.to_bits());
-        let words: Vec<u32> = lengths.chain(device.words).collect();
+        let bays = map.vertices.iter().rev().map(|vertex| vertex.bays.to_bits());
+        let words: Vec<u32> = bays.chain(device.words).collect();
         let bytes = size_of_val(&words[..]) as u64;
         let (words, grows_words) = self.words.put(gpu, &words)?;
         // Where the record lies is told by the room that the quads get.
@@ -181,8 +195,9 @@ fn quad_count(MapTile { map, pyramid }: &MapTile) -> usize {
 
 /// A map's record, its roofs, the last first, the nodes of its pyramid, its outline vertices, its occupied blocks.
 fn quads_of(record: TileRecord, MapTile { map, pyramid }: &MapTile, blocks: &[[u32; 4]]) -> Vec<[u32; 4]> {
-    let roofs = map.roofs.iter().rev().map(|roof| VertexRecord {
-        position: [0.0; 2],
+    let roofs = map.roofs.iter().rev().map(|roof| RoofRecord {
+        base_m: roof.base_m,
+        material: roof.material,
         roof_m: roof.roof_m,
         fid: roof.fid,
     });
@@ -191,7 +206,7 @@ fn quads_of(record: TileRecord, MapTile { map, pyramid }: &MapTile, blocks: &[[u
         VertexRecord {
             position: [vertex.x_m, vertex.y_m],
             roof_m: roof.roof_m,
-            fid: roof.fid,
+            building: vertex.building,
         }
     });
     bytemuck::cast::<TileRecord, [[u32; 4]; RECORD_QUADS as usize]>(record)

@@ -14,8 +14,21 @@ pub struct Footprint {
     pub roof: RoofSpec,
     /// What says so.
     pub height_origin: HeightOrigin,
+    /// What it is.
+    pub traits: BuildingTraits,
     /// Whether the outline is, coordinate by coordinate, what the source holds.
     pub is_as_stored: bool,
+}
+
+/// What the dataset says of a building that its facade can go by.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BuildingTraits {
+    /// Words for its use, in lower case, the most telling first.
+    pub uses: Vec<String>,
+    /// Storeys above ground.
+    pub storeys: Option<u32>,
+    /// Year of construction.
+    pub year: Option<i32>,
 }
 
 /// What the map says of the roof.

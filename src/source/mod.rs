@@ -15,7 +15,7 @@ mod vector;
 pub use crs_choice::CrsChoice;
 use error::gdal_says;
 pub use error::{SourceError, SourceRole};
-pub use footprint::{Footprint, HeightOrigin, RoofSpec};
+pub use footprint::{BuildingTraits, Footprint, HeightOrigin, RoofSpec};
 pub use height_rule::{HeightField, HeightReading, HeightRule};
 pub use listed::listed;
 pub use raster::{Dtm, DtmSampler, ImageryMosaic, SampleLattice, SteppedHeights};

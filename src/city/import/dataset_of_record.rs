@@ -7,18 +7,19 @@ use crate::buildings::Building;
 use crate::city::CityError;
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::raise_on_tiles;
+use crate::material::FacadeRules;
 use crate::source::{Footprint, FootprintDatasetWriter, FootprintReport};
 
-/// Gives every footprint its base and roof, counts what gave the heights, and writes those that have ground to the
+/// Gives every footprint its base, roof and material, counts what gave the heights, and writes those that have ground to the
 /// footprint dataset, with their attributes.
 pub fn make_footprint_dataset(
     sources: &Sources,
-    footprints: Vec<Footprint>,
+    (footprints, rules): (Vec<Footprint>, &FacadeRules),
     ground: &GroundCache,
     path: &Path,
     report: &mut FootprintReport,
 ) -> Result<Vec<Building>, CityError> {
-    let raised = raise_on_tiles(footprints, ground)?;
+    let raised = raise_on_tiles(footprints, rules, ground)?;
     raised.count_in(report);
     let buildings = raised.buildings;
     let mut dataset = FootprintDatasetWriter::create(path, &sources.crs)?;

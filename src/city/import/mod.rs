@@ -38,6 +38,7 @@ pub use warnings::ImportWarning;
 use super::geotiff::GeoKeys;
 use super::ground_cache::GroundCache;
 use super::manifest::FORMAT;
+use super::rules_file::{FACADES, read_rules, rules_of};
 use super::staging::Staging;
 use super::writer::TileWriter;
 use super::{CityError, Manifest};
@@ -65,7 +66,11 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     check_numbers(options)?;
     let mut warnings = Vec::new();
     let sources = Sources::open(options)?;
-    let cache_key = cache_key(options)?;
+    let (rules, rules_text) = match &options.facades {
+        Some(path) => read_rules(path)?,
+        None => rules_of(&options.out)?,
+    };
+    let cache_key = cache_key(options, &rules_text)?;
     refuse_inputs_inside(options)?;
     let staging = Staging::open(&options.out, &cache_key.text)?;
     let folder = staging.folder();
@@ -113,7 +118,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         });
     }
     let dataset = folder.join("buildings.gpkg");
-    let buildings = make_footprint_dataset(&sources, footprints, &ground, &dataset, &mut report)?;
+    let buildings = make_footprint_dataset(&sources, (footprints, &rules), &ground, &dataset, &mut report)?;
     if buildings.is_empty() {
         return Err(CityError::NoBuildings {
             path: options.buildings.clone(),
@@ -176,6 +181,8 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         path: folder.join("city.toml"),
         why: error.to_string(),
     })?;
+    let path = folder.join(FACADES);
+    std::fs::write(&path, rules_text).map_err(CityError::file(&path))?;
     let path = folder.join("city.toml");
     std::fs::write(&path, text).map_err(CityError::file(&path))?;
     staging.finish()?;

@@ -42,6 +42,8 @@ pub struct ImportOptions {
     pub margin_m: f64,
     /// Side of a building-map texel, metres.
     pub texel_m: f64,
+    /// Rules for facades; without it those of the city that is replaced, or the project's own.
+    pub facades: Option<PathBuf>,
     /// The city folder to make.
     pub out: PathBuf,
 }
@@ -136,11 +138,11 @@ pub struct CacheKey {
     pub records: Vec<SourceRecord>,
 }
 
-/// The options and every source's size and time: an import with the same cache key makes the same tiles.
-pub fn cache_key(options: &ImportOptions) -> Result<CacheKey, CityError> {
+/// The options, the facade rules and every source's size and time: an import with the same cache key makes the same tiles.
+pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityError> {
     let mut records = Vec::new();
     let mut text = format!("rilievo {}\n", env!("CARGO_PKG_VERSION"));
-    text += &format!("{options:?}");
+    text += &format!("{options:?}\n{rules}");
     let roles = [
         (Layer::Terrain.name(), options.terrain.as_slice()),
         (Layer::Buildings.name(), std::slice::from_ref(&options.buildings)),

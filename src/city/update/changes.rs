@@ -15,6 +15,7 @@ use crate::buildings::{Building, BuildingMap, MapTile, triangle_bytes};
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::{City, CityError, Layer};
+use crate::material::FacadeRules;
 use crate::source::{
     CrsChoice, Footprint, FootprintDatasetEditor, FootprintDatasetWriter, FootprintReport, FootprintSource,
     HeightRule, Selection,
@@ -29,6 +30,8 @@ pub struct UpdateContext<'a> {
     pub crs: &'a Crs,
     /// Its ground.
     pub ground: &'a GroundCache,
+    /// What its buildings are made of.
+    pub rules: &'a FacadeRules,
     /// Time and length of its footprint dataset when the update began.
     pub dataset_stamp: Option<(SystemTime, u64)>,
 }
@@ -314,7 +317,7 @@ fn read_buildings(
         each(&footprint);
         footprints.push(footprint);
     })?;
-    let raised = raise_on_tiles(footprints, place.ground)?;
+    let raised = raise_on_tiles(footprints, place.rules, place.ground)?;
     raised.count_in(&mut report);
     Ok((raised.buildings, report))
 }

@@ -71,10 +71,12 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
         manifest.terrain_step_m,
     );
     let crs = Crs::from_text(&manifest.crs)?;
+    let rules = city.facade_rules()?;
     let place = UpdateContext {
         city: &city,
         crs: &crs,
         ground: &ground,
+        rules: &rules,
         dataset_stamp: stamp_of(&city.footprint_dataset_path()),
     };
     let transaction = Transaction::begin(&place)?;

@@ -200,7 +200,7 @@ fn with_units(names: &[String], spelling: &str) -> impl Iterator<Item = (String,
 }
 
 /// A name without case and with one kind of separator.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     name.trim().to_lowercase().replace([':', '-', '.', ' '], "_")
 }
 

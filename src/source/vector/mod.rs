@@ -11,6 +11,7 @@ mod known_fields;
 mod outline;
 mod read_footprints;
 mod report;
+mod traits;
 
 pub use clean::{CleanReport, clean_outline};
 pub use dataset_editor::FootprintDatasetEditor;

@@ -13,8 +13,9 @@ use super::feature::{collect_polygons, column_text};
 use super::footprint_source::FeatureIds;
 use super::heights::{HeightReader, ReadHeight};
 use super::outline::Outline;
+use super::traits::TraitReader;
 use super::{FootprintDatasetWriter, FootprintReport, FootprintSource};
-use crate::source::{Footprint, HeightRule, SourceError, SourceRole, gdal_says};
+use crate::source::{BuildingTraits, Footprint, HeightRule, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// A cleaned outline with what was changed, or why there is none.
@@ -28,6 +29,7 @@ struct Raw {
     fid: u32,
     outline: Outline,
     height: ReadHeight,
+    traits: BuildingTraits,
     rejected: Option<&'static str>,
 }
 
@@ -63,6 +65,7 @@ impl FootprintSource {
         select(&mut layer, self.cad_filter.as_deref(), selection)
             .map_err(|error| self.read_error(gdal_says(&error)))?;
         let heights = HeightReader::new(self, layer.defn(), rule, default_height_m)?;
+        let traits = TraitReader::new(layer.defn());
         let building_field = self
             .is_osm
             .then(|| layer.defn().field_index("building").ok())
@@ -86,6 +89,7 @@ impl FootprintSource {
                     fid: self.id(&feature, index).unwrap_or(0),
                     outline,
                     height: heights.read(&feature),
+                    traits: traits.read(&feature),
                     rejected: rejected.or(self.id(&feature, index).is_none().then_some("no fid")),
                 });
             }
@@ -119,6 +123,7 @@ impl FootprintSource {
                     outline,
                     roof: raw.height.roof,
                     height_origin: raw.height.origin,
+                    traits: raw.traits,
                     is_as_stored,
                 });
             }
