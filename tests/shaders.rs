@@ -8,7 +8,7 @@ use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, RayRecord};
 use rilievo::output::DebugFrame;
 use rilievo::relief::{Anchor, FrameUniforms};
-use rilievo::scene::{GroundRecord, TileRecord, VertexRecord};
+use rilievo::scene::{GroundRecord, RoofRecord, TileRecord, VertexRecord};
 
 fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
@@ -43,6 +43,7 @@ shader_types!(
     f32 => "f32", u32 => "u32", i32 => "i32",
     [f32; 2] => "vec2<f32>", [f32; 3] => "vec3<f32>", [f32; 4] => "vec4<f32>",
     [i32; 2] => "vec2<i32>", glam::Vec4 => "vec4<f32>", glam::Mat4 => "mat4x4<f32>",
+    [glam::Vec4; 9] => "array<vec4<f32>, 9>",
 );
 
 fn wgsl_of<S, T: ShaderType>(_: fn(&S) -> &T) -> String {
@@ -59,7 +60,7 @@ fn scalar(scalar: naga::Scalar) -> String {
     format!("{kind}{}", 8 * scalar.width)
 }
 
-fn wgsl_name(inner: &naga::TypeInner) -> String {
+fn wgsl_name(module: &naga::Module, inner: &naga::TypeInner) -> String {
     match *inner {
         naga::TypeInner::Scalar(of) => scalar(of),
         naga::TypeInner::Vector { size, scalar: of } => format!("vec{}<{}>", size as u8, scalar(of)),
@@ -68,6 +69,11 @@ fn wgsl_name(inner: &naga::TypeInner) -> String {
             rows,
             scalar: of,
         } => format!("mat{}x{}<{}>", columns as u8, rows as u8, scalar(of)),
+        naga::TypeInner::Array {
+            base,
+            size: naga::ArraySize::Constant(count),
+            ..
+        } => format!("array<{}, {count}>", wgsl_name(module, &module.types[base].inner)),
         ref other => panic!("{other:?}"),
     }
 }
@@ -84,7 +90,7 @@ fn shader_layout(name: &str) -> (Vec<(String, String, usize)>, usize) {
                     let name = member.name.clone().unwrap_or_default();
                     (
                         name,
-                        wgsl_name(&module.types[member.ty].inner),
+                        wgsl_name(&module, &module.types[member.ty].inner),
                         member.offset as usize,
                     )
                 });
@@ -120,6 +126,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "upward" = upward,
             "sun" = sun,
             "sun_irradiance" = sun_irradiance,
+            "sky_light" = sky_light,
             "eye_in_tile" = eye_in_tile,
             "eye_elevation" = eye_elevation,
             "tile_m" = tile_m,
@@ -169,7 +176,17 @@ fn records_are_laid_out_alike_on_both_sides() {
     same_layout!(
         "VertexRecord",
         VertexRecord,
-        ["position" = position, "roof_m" = roof_m, "fid" = fid,]
+        ["position" = position, "roof_m" = roof_m, "building" = building]
+    );
+    same_layout!(
+        "RoofRecord",
+        RoofRecord,
+        [
+            "base_m" = base_m,
+            "material" = material,
+            "roof_m" = roof_m,
+            "fid" = fid
+        ]
     );
     same_layout!(
         "GroundRecord",
@@ -371,7 +388,7 @@ fn vertex_attributes_are_what_the_shaders_take() {
             .iter()
             .filter_map(|argument| match argument.binding {
                 Some(naga::Binding::Location { location, .. }) => {
-                    Some((location, wgsl_name(&module.types[argument.ty].inner)))
+                    Some((location, wgsl_name(&module, &module.types[argument.ty].inner)))
                 }
                 _ => None,
             })

@@ -506,7 +506,7 @@ fn kills_leave_a_whole_city(kills: u32) {
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .collect();
-    assert_eq!(left.len(), 5, "{left:?}");
+    assert_eq!(left.len(), 6, "{left:?}");
     is_a_fresh_import(&city, folder.path());
 }
 

@@ -11,6 +11,8 @@ struct Frame {
     sun: vec4<f32>,
     // Irradiance of the sun on a surface facing it, linear sRGB; w is not used.
     sun_irradiance: vec4<f32>,
+    // Coefficients of the sky's irradiance (`sky_irradiance`).
+    sky_light: array<vec4<f32>, 9>,
     // The eye within its tile, metres; elevation of the eye; side of a tile.
     eye_in_tile: vec2<f32>,
     eye_elevation: f32,

@@ -1,30 +1,44 @@
-// A clear sky and the haze before distant things. Plausible, not physical: a gradient from zenith to horizon that
-// reddens with a low sun, and a glow round the sun; an atmosphere model can take its place. The sun's own light comes from Rust
-// (`space::Sun`).
+// The clear sky and the air before distant things: Hillaire 2020, whose tables the host makes for the sun of the frame
+// (src/space/atmosphere, src/relief/sky_tables.rs).
 
 const PI: f32 = 3.14159265;
 
-// Path through the haze on the ground that dims contrast to 1/e; the haze thins to 1/e over this height above the lowest ground.
-const HAZE_RANGE_M: f32 = 22000.0;
+// Layer 0: light scattered by molecules, more than once, or sent on by the ground. Layer 1: light scattered once by haze, to be
+// multiplied by its phase function. Along u the azimuth from the sun's, along v the altitude.
+@group(2) @binding(10) var sky_view: texture_2d_array<f32>;
+
+// Air near the ground, per metre: what it takes of light by scattering (Rayleigh) and haze. It thins to 1/e over this height above
+// the lowest ground. Haze three times as dense as the sky's model has it, so that distance shows.
+const AIR_PER_M: vec3<f32> = vec3<f32>(5.802e-6, 13.558e-6, 33.1e-6) + 6.0 * 4.44e-6;
 const HAZE_HEIGHT_M: f32 = 1200.0;
 
-fn day(sun_up: f32) -> f32 { return smoothstep(-0.12, 0.25, sun_up); }
+// Radiance of the sky at night, and irradiance: stars and air, and the lamps of towns. Estimates.
+const NIGHT_SKY: vec3<f32> = vec3<f32>(0.00032, 0.00042, 0.00080);
 
-// The glow round the sun: its width as powers of the cosine from the sun, and its radiance by the sun's irradiance.
-const WIDE_GLOW: vec2<f32> = vec2<f32>(6.0, 0.0955);
-const NARROW_GLOW: vec2<f32> = vec2<f32>(48.0, 0.199);
+// How far day has gone over to night: lamps are lit.
+fn night() -> f32 { return 1.0 - smoothstep(-0.10, 0.03, frame.sun.z); }
 
+// Twin: `place_of` in src/space/atmosphere/sky_view.rs.
+fn sky_place(altitude: f32) -> f32 { return 0.5 + 0.5 * sign(altitude) * sqrt(abs(altitude) / (0.5 * PI)); }
+
+// Phase function of haze (Cornette & Shanks 1992).
+fn mie_phase(cosine: f32) -> f32 {
+    let g2 = MIE_G * MIE_G;
+    let scale = 3.0 / (8.0 * PI) * (1.0 - g2) / (2.0 + g2);
+    return scale * (1.0 + cosine * cosine) / pow(1.0 + g2 - 2.0 * MIE_G * cosine, 1.5);
+}
+
+// Radiance of a unit direction, the sun's disc left out; below the horizon the planet's through the air before it.
 fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
-    let up = max(direction.z, 0.0);
-    let light = day(frame.sun.z);
-    let low_sun = 1.0 - smoothstep(0.02, 0.4, frame.sun.z);
-    let horizon = mix(vec3<f32>(0.72, 0.82, 0.92), vec3<f32>(1.05, 0.72, 0.48), 0.75 * low_sun);
-    let zenith = mix(vec3<f32>(0.13, 0.30, 0.68), vec3<f32>(0.17, 0.24, 0.48), low_sun);
-    let towards_sun = max(dot(direction, frame.sun.xyz), 0.0);
-    let glow = frame.sun_irradiance.xyz
-        * (WIDE_GLOW.y * pow(towards_sun, WIDE_GLOW.x) + NARROW_GLOW.y * pow(towards_sun, NARROW_GLOW.x));
-    let night = vec3<f32>(0.006, 0.008, 0.014);
-    return night + light * (mix(horizon, zenith, 1.0 - exp(-3.2 * up)) + glow);
+    let size = vec2<f32>(textureDimensions(sky_view));
+    let across = length(direction.xy) * length(frame.sun.xy);
+    let cosine = select(1.0, dot(direction.xy, frame.sun.xy) / across, across > 1.0e-7);
+    let place = vec2<f32>(acos(clamp(cosine, -1.0, 1.0)) / PI, sky_place(asin(clamp(direction.z, -1.0, 1.0))));
+    // Texel centres lie on the ends.
+    let uv = (place * (size - 1.0) + 0.5) / size;
+    let even = textureSampleLevel(sky_view, imagery_sampler, uv, 0, 0.0).rgb;
+    let haze = textureSampleLevel(sky_view, imagery_sampler, uv, 1, 0.0).rgb;
+    return NIGHT_SKY + even + haze * mie_phase(dot(direction, frame.sun.xyz));
 }
 
 // The sun's disc, seen directly: its irradiance spread over its solid angle.
@@ -37,28 +51,29 @@ fn sun_disc(direction: vec3<f32>) -> vec3<f32> {
     return select(vec3<f32>(0.0), radiance, is_on_disc);
 }
 
-// Irradiance of the sky on a surface, all of it seen: bluish from above, the colour of lit ground from below. At night a rest
-// remains, so that nothing is black.
-const SKY_ABOVE: vec3<f32> = vec3<f32>(0.621, 0.728, 0.907);
-const SKY_BELOW: vec3<f32> = vec3<f32>(0.406, 0.370, 0.310);
-const NIGHT: f32 = 0.03;
-
+// Irradiance on a surface that sees the whole sky above it and open ground below. Twin: `SkyIrradiance::on`.
 fn sky_irradiance(normal: vec3<f32>) -> vec3<f32> {
-    return (NIGHT + day(frame.sun.z)) * mix(SKY_BELOW, SKY_ABOVE, 0.5 + 0.5 * normal.z);
+    let towards = frame.sun.xy / max(length(frame.sun.xy), 1.0e-6);
+    let n = vec3<f32>(dot(normal.xy, towards), dot(normal.xy, vec2<f32>(-towards.y, towards.x)), normal.z);
+    let c = frame.sky_light;
+    let light = c[0].rgb + c[1].rgb * n.y + c[2].rgb * n.z + c[3].rgb * n.x + c[4].rgb * (n.x * n.y) + c[5].rgb * (n.y * n.z)
+        + c[6].rgb * (3.0 * n.z * n.z - 1.0) + c[7].rgb * (n.x * n.z) + c[8].rgb * (n.x * n.x - n.y * n.y);
+    return max(light, vec3<f32>(0.0)) + PI * NIGHT_SKY;
 }
 
-// Optical depth of the haze between the eye and a place: its density falls off exponentially with height above the lowest
-// ground, and the integral along a ray has a closed form.
-fn haze_depth(direction: vec3<f32>, t: f32) -> f32 {
+// Depth of the air between the eye and a place, metres of that near the ground: its density falls off exponentially with height above
+// the lowest ground, and the integral along a ray has a closed form.
+fn air_depth(direction: vec3<f32>, t: f32) -> f32 {
     let eye_height = max(-frame.min_ground, 0.0) / HAZE_HEIGHT_M;
     let rise = t * direction.z / HAZE_HEIGHT_M;
     let at_eye = exp(-eye_height);
     // The mean density along the ray, by its series where that is nearly level.
     let mean = select((at_eye - exp(-eye_height - rise)) / rise, at_eye * (1.0 - 0.5 * rise), abs(rise) < 0.01);
-    return t / HAZE_RANGE_M * mean;
+    return t * mean;
 }
 
+// What is seen of a radiance at t through the air before it, which has the colour of the sky at the horizon.
 fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
     let flat = normalize(vec3<f32>(direction.xy, max(direction.z, 0.0)));
-    return mix(sky_colour(flat), colour, exp(-haze_depth(direction, t)));
+    return mix(sky_colour(flat), colour, exp(-AIR_PER_M * air_depth(direction, t)));
 }

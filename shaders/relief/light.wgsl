@@ -31,8 +31,8 @@ fn imagery_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
 }
 
 // Paper-like ground where the survey has no imagery: warm grey with contour lines, as on a plan.
-const PAPER: vec3<f32> = vec3<f32>(0.46, 0.435, 0.385);
-const CONTOUR: vec3<f32> = vec3<f32>(0.30, 0.235, 0.165);
+const PAPER: vec3<f32> = vec3<f32>(0.37, 0.352, 0.305);
+const CONTOUR: vec3<f32> = vec3<f32>(0.23, 0.175, 0.12);
 // Metres between contours near by; every fifth is bolder. Width of a line, metres and pixels at least.
 const CONTOUR_M: f32 = 2.0;
 const LINE_M: f32 = 0.35;
@@ -86,26 +86,43 @@ fn around(axis: vec3<f32>, radius: f32, azimuth: f32) -> vec3<f32> {
 
 // Length of a ray to the sky, metres: what stands farther away hides little of it.
 const SKY_RAY_M: f32 = 60.0;
-// Light that a ray brings which meets a wall, or the ground, by that of the sky: what those send on. Estimates.
-const WALL_LIGHT: f32 = 0.45;
-const GROUND_LIGHT: f32 = 0.8;
+// What walls across a street send on of the light that falls on level ground and of the sun's: reflectance, the part of them in the
+// sun, its mean cosine. And what the ground before a wall gets of the open ground's light, for the shadows on it. Estimates.
+const WALL_ALBEDO: f32 = 0.33;
+const WALLS_IN_SUN: f32 = 0.28;
+const WALLS_SKY: f32 = 0.60;
+const GROUND_OPEN: f32 = 0.75;
 
-// What a surface gets along one ray to the sky and one to the sun: the fraction of the sky's light, and whether the sun is seen, past
-// buildings and the ground.
+// Where a ray to the sky ends.
+const MEETS_GROUND: u32 = 0u;
+const MEETS_WALL: u32 = 1u;
+const MEETS_SKY: u32 = 2u;
+
+// What a surface gets along one ray to the sky and one to the sun: where the one ends, and whether the sun is seen, past buildings
+// and the ground.
 struct Received {
-    sky: f32,
+    sky: u32,
     sun: bool,
 }
 
+// Irradiance from all round, by where the one ray of it ends.
+fn ambient(normal: vec3<f32>, meets: u32) -> vec3<f32> {
+    let open = sky_irradiance(normal);
+    if meets == MEETS_SKY { return open; }
+    if meets == MEETS_GROUND { return GROUND_OPEN * open; }
+    let up = sky_irradiance(vec3<f32>(0.0, 0.0, 1.0));
+    return WALL_ALBEDO * (WALLS_IN_SUN * frame.sun_irradiance.xyz + WALLS_SKY * up);
+}
+
 fn receive(start: vec3<f32>, normal: vec3<f32>, to_sky: vec3<f32>, to_sun: vec3<f32>) -> Received {
-    var received = Received(GROUND_LIGHT, false);
+    var received = Received(MEETS_GROUND, false);
     // One loop for both rays: a device that inlines the walk does so once.
     for (var k = 0; k < 2; k += 1) {
         let is_sky = k == 0;
         let direction = select(to_sun, to_sky, is_sky);
         if direction.z > 0.0 && dot(normal, direction) > 0.0 {
             let is_open = walk_city(make_ray(start, direction), 0.0, select(FAR, SKY_RAY_M, is_sky)).t >= FAR;
-            if is_sky { received.sky = select(WALL_LIGHT, 1.0, is_open); } else { received.sun = is_open; }
+            if is_sky { received.sky = select(MEETS_WALL, MEETS_SKY, is_open); } else { received.sun = is_open; }
         }
     }
     if received.sun { received.sun = walk_ground(make_ray(start, to_sun), 0.0, FAR) >= FAR; }
@@ -118,7 +135,7 @@ const GLASS_GLOSS: f32 = 1800.0;
 // What stands across a street, as a window mirrors it: metres away, as high as the window's own building. An estimate: no ray is cast.
 const STREET_M: f32 = 16.0;
 // Radiance of a lit window at night.
-const LAMP: vec3<f32> = vec3<f32>(0.60, 0.40, 0.19);
+const LAMP: vec3<f32> = vec3<f32>(0.017, 0.0098, 0.0040);
 
 // Radiance that a pane sends on: what it mirrors of sky, street and sun; and how much it lets through.
 struct Mirrored {
@@ -129,18 +146,30 @@ struct Mirrored {
 fn mirrored(direction: vec3<f32>, normal: vec3<f32>, below_roof: f32, received: Received) -> Mirrored {
     let facing = max(-dot(direction, normal), 0.0);
     let reflectance = GLASS_REFLECTANCE + (1.0 - GLASS_REFLECTANCE) * pow(1.0 - facing, 5.0);
-    let way = reflect(direction, normal);
+    let reflected = reflect(direction, normal);
     // Sky over the houses opposite, their walls below it.
     let edge = max(below_roof, 0.0) / STREET_M;
-    let sky_part = smoothstep(edge - 0.08, edge + 0.08, way.z / max(length(way.xy), 1.0e-3));
-    let wall = 0.35 / PI * sky_irradiance(-vec3<f32>(way.xy, 0.0)) * vec3<f32>(1.0, 0.96, 0.90);
-    var radiance = mix(wall, sky_colour(normalize(vec3<f32>(way.xy, max(way.z, 0.0)))), sky_part);
+    let sky_part = smoothstep(edge - 0.08, edge + 0.08, reflected.z / max(length(reflected.xy), 1.0e-3));
+    let wall = 0.35 / PI * sky_irradiance(-vec3<f32>(reflected.xy, 0.0)) * vec3<f32>(1.0, 0.96, 0.90);
+    var radiance = mix(wall, sky_colour(normalize(vec3<f32>(reflected.xy, max(reflected.z, 0.0)))), sky_part);
     if received.sun {
         let half_way = normalize(frame.sun.xyz - direction);
         let gloss = (GLASS_GLOSS + 2.0) / (8.0 * PI) * pow(max(dot(normal, half_way), 0.0), GLASS_GLOSS);
         radiance += min(frame.sun_irradiance.xyz * gloss, vec3<f32>(400.0));
     }
     return Mirrored(reflectance * radiance, 1.0 - reflectance);
+}
+
+// Reflectance of the land beyond the survey, for cities with imagery.
+const LAND: vec3<f32> = vec3<f32>(0.22, 0.225, 0.12);
+
+// What is seen past the city: the sky, and below the horizon land at the city's lowest ground that runs on into the haze.
+fn beyond(direction: vec3<f32>) -> vec3<f32> {
+    if direction.z >= 0.0 || frame.min_ground >= 0.0 { return sky_colour(direction) + sun_disc(direction); }
+    let up = vec3<f32>(0.0, 0.0, 1.0);
+    let land = select(PAPER, LAND, frame.imagery_side > 0.0);
+    let light = sky_irradiance(up) + frame.sun_irradiance.xyz * max(frame.sun.z, 0.0);
+    return through_haze(land / PI * light, direction, frame.min_ground / direction.z);
 }
 
 @fragment
@@ -152,7 +181,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let t_relief = bitcast<f32>(relief.x);
     let t = min(t_ground, t_relief);
     if t >= FAR {
-        return Shaded(vec4<f32>(sky_colour(direction) + sun_disc(direction), 1.0), FAR, 0u);
+        return Shaded(vec4<f32>(beyond(direction), 1.0), FAR, 0u);
     }
     let at = direction * t;
     let is_ground = t_ground <= t_relief;
@@ -192,13 +221,14 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let to_sky = around(normal, sqrt(random.x), azimuth);
     let to_sun = around(frame.sun.xyz, frame.sun.w * sqrt(random.z), azimuth);
     let received = receive(start, normal, to_sky, to_sun);
-    let sky = sky_irradiance(material.normal) * received.sky;
+    let sky = ambient(material.normal, received.sky);
     let sunlight = frame.sun_irradiance.xyz * max(dot(material.normal, to_sun), 0.0);
     let sun = select(vec3<f32>(0.0), sunlight, received.sun);
     var radiance = material.albedo / PI * (sun + sky);
     if material.glass > 0.0 {
         let pane = mirrored(direction, material.normal, below_roof, received);
-        let lamp = LAMP * material.lit * (1.0 - day(frame.sun.z));
+        // Curtains glow.
+        let lamp = LAMP * material.lit * night() * clamp(0.5 + 8.0 * material.albedo.g, 0.5, 1.6);
         radiance = mix(radiance, pane.radiance + pane.passes * (radiance + lamp), material.glass);
     }
     return Shaded(vec4<f32>(through_haze(radiance, direction, t), 1.0), t, id);

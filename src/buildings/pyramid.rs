@@ -155,6 +155,7 @@ mod tests {
     /// A third of the texels has a roof of one of 17 elevations.
     fn scattered(side: usize) -> (Option<BuildingMap>, Vec<u32>) {
         let roofs = (0..17).map(|k| RoofRecord {
+            material: 0,
             roof_m: 40.0 + 3.7 * k as f32,
             base_m: 31.0,
             fid: k + 1,

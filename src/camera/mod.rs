@@ -11,6 +11,7 @@
 mod accumulate_pass;
 mod diagram;
 mod auto_exposure;
+mod daylight_exposure;
 pub mod flare;
 pub mod lens;
 mod paraxial;
@@ -24,6 +25,7 @@ mod trace;
 
 pub use accumulate_pass::AccumulatePass;
 pub use auto_exposure::auto_exposure;
+pub use daylight_exposure::daylight_exposure;
 pub use diagram::lens_diagram;
 pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics};
 pub use paraxial::{

@@ -10,7 +10,7 @@
 use glam::DVec2;
 
 use super::{FlareSettings, RenderError, Renderer};
-use crate::camera::Camera;
+use crate::camera::{Camera, daylight_exposure};
 use crate::gpu::Band;
 use crate::relief::{ReliefMode, ReliefView, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
@@ -38,7 +38,7 @@ pub struct FrameRequest<'a> {
     pub mode: ReliefMode,
     /// What the camera's lens adds; counts only behind a lens.
     pub flare: Option<&'a FlareSettings>,
-    /// Factor on radiance before tone mapping.
+    /// Factor on radiance before tone mapping, over that which follows the daylight.
     pub exposure: f32,
 }
 
@@ -121,8 +121,9 @@ impl Renderer {
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
         self.flare.encode(encoder, self.timer.pass(FLARE));
         let timestamps = self.timer.pass(TONE_MAP);
+        let exposure = request.exposure * daylight_exposure(self.relief.daylight(request.sun));
         self.tone_map
-            .encode(&self.gpu, encoder, request.exposure, samples, timestamps);
+            .encode(&self.gpu, encoder, exposure, samples, timestamps);
     }
 
     /// The sun as the camera sees it, past roofs and hills.

@@ -75,6 +75,7 @@ impl Renderer {
         let size = self.detail_size.unwrap_or(request.size);
         let projection = request.camera.projection(size);
         self.resident.prepare(&self.gpu, &projection, request.sun)?;
+        self.relief.set_sun(&self.gpu, request.sun);
         self.bind_resident();
         Ok(())
     }

@@ -4,6 +4,7 @@ use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
 use crate::material::{FACADE_LAYERS, FacadeBand, MAX_SLOPE, ROOF_M, TILE_SIZE};
 use crate::scene::{POOL_QUADS, POOL_WORDS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
+use crate::space::atmosphere::MIE_G;
 use crate::terrain::GroundBounds;
 
 /// Metres along a ray that meets nothing.
@@ -46,5 +47,6 @@ pub const CONSTANTS: &[Constant] = &[
         ConstantValue::Float2([TILE_SIZE[0] as f32, TILE_SIZE[1] as f32]),
     ),
     ("MAX_SLOPE", ConstantValue::Float(MAX_SLOPE)),
+    ("MIE_G", ConstantValue::Float(MIE_G as f32)),
     ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
 ];

@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec4};
 
 use super::GridPosition;
+use super::sky_tables::SkyTables;
 use crate::buildings::Pyramid;
 use crate::scene::Resident;
 use crate::space::{Projection, Sun};
@@ -19,6 +20,7 @@ pub struct FrameUniforms {
     pub upward: Vec4,
     pub sun: Vec4,
     pub sun_irradiance: Vec4,
+    pub sky_light: [Vec4; 9],
     pub eye_in_tile: [f32; 2],
     pub eye_elevation: f32,
     pub tile_m: f32,
@@ -42,7 +44,12 @@ pub struct FrameUniforms {
 
 impl FrameUniforms {
     /// Uniforms of one sample of one view. All differences of large coordinates are taken in f64 here.
-    pub fn new(resident: &Resident, projection: &Projection, sun: &Sun, sample: u32) -> Self {
+    pub fn new(
+        resident: &Resident,
+        projection: &Projection,
+        (sun, sky): (&Sun, &SkyTables),
+        sample: u32,
+    ) -> Self {
         let grid = &resident.tiles.grid;
         let pose = &projection.pose;
         let eye = GridPosition::new(grid, pose.eye);
@@ -55,6 +62,7 @@ impl FrameUniforms {
             upward: vector(pose.up * tan.y, 0.0),
             sun: vector(sun.to_sun, sun.angular_radius),
             sun_irradiance: vector(sun.irradiance, 0.0),
+            sky_light: sky.coefficients(),
             eye_in_tile: eye.in_tile.to_array(),
             eye_elevation: eye.elevation,
             tile_m: grid.tile_m as f32,

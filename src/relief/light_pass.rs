@@ -4,6 +4,7 @@ use wgpu::TextureSampleType::Uint;
 
 use super::context::{PassContext, pass_number};
 use super::shaders::LIGHT;
+use super::sky_tables::SkyTables;
 use super::targets::{FAR_COLOR, ReliefTargets};
 use crate::gpu::{
     BySize, FILTERED, FLOAT, Gpu, GpuError, PipelineParameters, SAMPLER, color_target, shader_module,
@@ -18,14 +19,16 @@ pub struct LightPass {
     sampler: wgpu::Sampler,
     tiling_sampler: wgpu::Sampler,
     materials: MaterialTextures,
+    /// The sky.
+    pub sky: SkyTables,
     input_layout: wgpu::BindGroupLayout,
     input: BySize<wgpu::BindGroup>,
 }
 
 impl LightPass {
     /// Group 2: the ground's distance and normal, the buildings' surface and facade, imagery and its sampler; colours and details of
-    /// the materials, their sampler, the palette.
-    pub const INPUT: [wgpu::BindingType; 10] = [
+    /// the materials, their sampler, the palette; the sky.
+    pub const INPUT: [wgpu::BindingType; 11] = [
         texture(FLOAT),
         texture(Uint),
         texture(Uint),
@@ -36,6 +39,7 @@ impl LightPass {
         texture_array(FILTERED),
         SAMPLER,
         texture(FLOAT),
+        texture_array(FILTERED),
     ];
 
     /// For the layouts of groups 0 and 1.
@@ -58,6 +62,7 @@ impl LightPass {
             sampler: gpu.linear_sampler("imagery", true),
             tiling_sampler: gpu.tiling_sampler("materials"),
             materials: MaterialTextures::new(gpu)?,
+            sky: SkyTables::new(gpu)?,
             input_layout,
             input: BySize::default(),
         })
@@ -77,6 +82,7 @@ impl LightPass {
             view(&self.materials.detail.view),
             wgpu::BindingResource::Sampler(&self.tiling_sampler),
             view(&self.materials.palette),
+            view(&self.sky.images.view),
         ];
         let layout = &self.input_layout;
         self.input

@@ -22,6 +22,7 @@ mod pass;
 mod polygons_pass;
 mod light_pass;
 mod shaders;
+mod sky_tables;
 mod sun_visibility;
 mod targets;
 

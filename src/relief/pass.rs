@@ -88,6 +88,16 @@ impl ReliefPass {
         }
     }
 
+    /// Makes the sky of a sun, unless it is the last one.
+    pub fn set_sun(&mut self, gpu: &Gpu, sun: &Sun) {
+        self.shade.sky.set_sun(gpu, sun);
+    }
+
+    /// Irradiance of level ground under the open sky for the last sun set, luminance.
+    pub fn daylight(&self, sun: &Sun) -> f64 {
+        self.shade.sky.daylight(sun)
+    }
+
     /// Uploads the mesh that [`ReliefMode::Polygons`] draws.
     ///
     /// # Errors
@@ -136,8 +146,10 @@ impl ReliefPass {
             mode,
             band,
         } = *view;
-        self.uniforms
-            .write(gpu, &FrameUniforms::new(resident, projection, sun, sample));
+        self.uniforms.write(
+            gpu,
+            &FrameUniforms::new(resident, projection, (sun, &self.shade.sky), sample),
+        );
         let mut context = PassContext {
             gpu,
             encoder,

@@ -2,6 +2,7 @@
 //!
 //! Everything here is metres and radians, f64, in the city's own projected CRS (east, north, up).
 
+pub mod atmosphere;
 mod bounds;
 mod crs;
 mod pose;
@@ -12,6 +13,6 @@ mod tile_grid;
 pub use bounds::Bounds;
 pub use crs::{Accuracy, Crs, CrsError, GeoArea, MissingGrids, Operation, OperationWarning, PointTransform};
 pub use pose::{Pose, Projection};
-pub use sun::{SOLAR_ANGULAR_RADIUS, Sun};
+pub use sun::{SOLAR_ANGULAR_RADIUS, SUN_ABOVE_AIR, Sun};
 pub use sun_position::{Place, SunError, sun_direction_at, sun_direction_in_world};
 pub use tile_grid::{TileGrid, TileId};

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, dvec3};
+use glam::DVec3;
 
+use super::atmosphere::Atmosphere;
 use super::sun_position::direction_from_azimuth_altitude;
 use super::{Place, SunError, sun_direction_in_world};
 
@@ -11,15 +12,9 @@ use super::{Place, SunError, sun_direction_in_world};
 /// 149,597,870.7 km (IAU 2015 resolution B3, IAU 2012 resolution B2). Over the year it changes by 1.7 %.
 pub const SOLAR_ANGULAR_RADIUS: f64 = 695_700.0 / 149_597_870.7;
 
-/// Irradiance of a high sun on a surface facing it, linear sRGB. The unit is the image's: white plaster in full sun comes near
-/// 1 after tone mapping. Plausible, not measured: an atmosphere model can take the place of both colours.
-const HIGH_SUN: DVec3 = dvec3(3.83, 3.58, 3.15);
-/// The same on the horizon, reddened by its long path through the air.
-const LOW_SUN: DVec3 = dvec3(4.021, 1.696, 0.565);
-/// Sine of the altitude above which the sun no longer reddens.
-const HIGH_SINE: f64 = 0.45;
-/// Sines of the altitudes between which the sun comes up: its disc, and what refraction lifts.
-const RISING_SINES: [f64; 2] = [-0.02, 0.08];
+/// Irradiance of the sun above the air on a surface facing it, linear sRGB: white, because the coefficients of `atmosphere` are for
+/// its own colours. The unit is the image's: white plaster in full sun comes near 1 after tone mapping.
+pub const SUN_ABOVE_AIR: f64 = 4.4;
 
 /// The sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,14 +32,9 @@ pub struct Sun {
 impl Sun {
     /// From its direction, a unit vector.
     pub fn from_direction(to_sun: DVec3) -> Self {
-        let smooth = |from: f64, to: f64| {
-            let fraction = ((to_sun.z - from) / (to - from)).clamp(0.0, 1.0);
-            fraction * fraction * (3.0 - 2.0 * fraction)
-        };
-        let [below, above] = RISING_SINES;
         Self {
             to_sun,
-            irradiance: LOW_SUN.lerp(HIGH_SUN, smooth(0.0, HIGH_SINE)) * smooth(below, above),
+            irradiance: SUN_ABOVE_AIR * Atmosphere::get().sunlight(to_sun.z),
             angular_radius: SOLAR_ANGULAR_RADIUS,
             visible_fraction: 1.0,
         }

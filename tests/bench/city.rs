@@ -4,6 +4,8 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use geo::polygon;
 use rilievo::buildings::{Building, Pyramid, rasterise};
+use rilievo::material::FacadeRules;
+use rilievo::source::BuildingTraits;
 use rilievo::space::Bounds;
 use rilievo::terrain::{Apron, HeightTile, tin_triangles};
 
@@ -12,7 +14,9 @@ fn houses() -> Vec<Building> {
         .map(|k| {
             let (x, y) = (f64::from(k % 20) * 25.0 + 5.3, f64::from(k / 20) * 25.0 + 4.1);
             let outline = polygon![(x: x, y: y), (x: x + 14.0, y: y + 3.0), (x: x + 11.0, y: y + 13.0), (x: x - 3.0, y: y + 10.0)];
-            Building { fid: k as u32 + 1, outline: outline.into(), base_m: 0.0, roof_m: 9.0 }
+            let (fid, outline) = (k as u32 + 1, outline.into());
+            let material = FacadeRules::default().material(fid, &outline, 9.0, &BuildingTraits::default());
+            Building { fid, outline, base_m: 0.0, roof_m: 9.0, material }
         })
         .collect()
 }

@@ -1,0 +1,69 @@
+//! The sky of one sun on the device: its radiance by direction, and its light on surfaces (`shaders/lib/sky.wgsl`).
+
+use glam::{DVec3, Vec4};
+use half::f16;
+
+use crate::gpu::{Gpu, GpuError, LayerPool};
+use crate::space::atmosphere::{Atmosphere, SKY_VIEW_SIZE, SkyIrradiance, SkyTexel};
+use crate::space::{SUN_ABOVE_AIR, Sun};
+
+/// The tables, and for which sun they are.
+pub struct SkyTables {
+    /// Two layers, `SkyTexel::even` and `SkyTexel::mie`; rows from straight below.
+    pub images: LayerPool,
+    irradiance: Option<SkyIrradiance>,
+    to_sun: DVec3,
+}
+
+impl SkyTables {
+    /// Unwritten ones.
+    ///
+    /// # Errors
+    /// When the device cannot hold them.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let size = SKY_VIEW_SIZE.map(|side| side as u32);
+        let mut images = LayerPool::new(gpu, "sky", wgpu::TextureFormat::Rgba16Float, size, 1)?;
+        images.reserve(gpu, 2)?;
+        Ok(Self {
+            images,
+            irradiance: None,
+            to_sun: DVec3::ZERO,
+        })
+    }
+
+    /// Makes them for a sun, unless they are.
+    pub fn set_sun(&mut self, gpu: &Gpu, sun: &Sun) {
+        let is_known = self.irradiance.is_some() && self.to_sun.z == sun.to_sun.z;
+        self.to_sun = sun.to_sun;
+        if is_known {
+            return;
+        }
+        let sky = Atmosphere::get().sky_view(sun.to_sun.z);
+        let layers: [fn(&SkyTexel) -> DVec3; 2] = [|texel| texel.even, |texel| texel.mie];
+        for (layer, part) in (0..).zip(layers) {
+            let texel = |texel: &SkyTexel| {
+                let [r, g, b] = (part(texel) * SUN_ABOVE_AIR).to_array().map(f16::from_f64);
+                [r, g, b, f16::ONE]
+            };
+            let texels: Vec<[f16; 4]> = sky.texels().iter().map(texel).collect();
+            self.images.write(gpu, layer, 0, &texels);
+        }
+        self.irradiance = Some(SkyIrradiance::new(&sky));
+    }
+
+    /// Coefficients of the sky's irradiance for a unit normal in the sun's frame, x towards its azimuth.
+    pub fn coefficients(&self) -> [Vec4; 9] {
+        let coefficients = self.irradiance.map(|irradiance| irradiance.coefficients);
+        let scaled = |k: usize| coefficients.map_or(DVec3::ZERO, |all| all[k] * SUN_ABOVE_AIR);
+        std::array::from_fn(|k| scaled(k).as_vec3().extend(0.0))
+    }
+
+    /// Irradiance of level ground under the open sky, the sun's share included, luminance.
+    pub fn daylight(&self, sun: &Sun) -> f64 {
+        let sky = self
+            .irradiance
+            .map_or(DVec3::ZERO, |irradiance| irradiance.on(DVec3::Z));
+        let light = sky * SUN_ABOVE_AIR + sun.irradiance * sun.to_sun.z.max(0.0);
+        light.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+    }
+}
