@@ -127,6 +127,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "sun" = sun,
             "sun_irradiance" = sun_irradiance,
             "sky_light" = sky_light,
+            "wall_light" = wall_light,
             "eye_in_tile" = eye_in_tile,
             "eye_elevation" = eye_elevation,
             "tile_m" = tile_m,
@@ -316,11 +317,12 @@ fn bindings_are_what_the_layouts_say() {
     use rilievo::camera::flare::FLARE_INPUT;
     use rilievo::camera::{AccumulatePass, RayPass, ToneMapPass};
     use rilievo::output::DebugView;
-    use rilievo::relief::{CityBindings, ExactPass, LightPass, PolygonsPass, ReliefPass};
+    use rilievo::relief::{AmbientPass, CityBindings, ExactPass, LightPass, PolygonsPass, ReliefPass};
     let groups = |name: &str| -> Vec<&'static [wgpu::BindingType]> {
         match name {
             "relief/ground.wgsl" | "relief/cone.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES],
             "relief/exact.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &ExactPass::INPUT],
+            "relief/ambient.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &AmbientPass::INPUT],
             "relief/light.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &LightPass::INPUT],
             "relief/polygons.wgsl" => vec![&ReliefPass::FRAME, &PolygonsPass::ANCHOR, &PolygonsPass::INPUT],
             "camera/accumulate.wgsl" => vec![&AccumulatePass::INPUT],

@@ -13,6 +13,8 @@ struct Frame {
     sun_irradiance: vec4<f32>,
     // Coefficients of the sky's irradiance (`sky_irradiance`).
     sky_light: array<vec4<f32>, 9>,
+    // Irradiance by walls across a street that fill a surface's view.
+    wall_light: vec4<f32>,
     // The eye within its tile, metres; elevation of the eye; side of a tile.
     eye_in_tile: vec2<f32>,
     eye_elevation: f32,

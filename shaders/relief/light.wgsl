@@ -1,6 +1,6 @@
-// Lights what the passes before found: imagery on ground and roofs, facades on walls, the sun past buildings and hills, the sky past
-// buildings. A sample of a pixel sends one ray to a point of the sun's disc and one to the sky: many samples converge,
-// and a single one has the same mean, only noisier.
+// Lights what the passes before found: imagery on ground and roofs, facades on walls, the sun past buildings and hills, the sky as far as
+// the ambient pass saw it. A sample of a pixel sends one ray to a point of the sun's disc: many samples converge, and a single one has
+// the same mean, only noisier.
 
 @group(2) @binding(0) var ground_distance: texture_2d<f32>;
 @group(2) @binding(1) var ground_normal: texture_2d<u32>;
@@ -9,6 +9,8 @@
 @group(2) @binding(3) var relief_facade: texture_2d<u32>;
 @group(2) @binding(4) var imagery: texture_2d_array<f32>;
 @group(2) @binding(5) var imagery_sampler: sampler;
+// What `ambient.wgsl` wrote.
+@group(2) @binding(11) var ambient_rays: texture_2d<u32>;
 
 struct Shaded {
     // Linear radiance.
@@ -58,75 +60,44 @@ fn bare_ground(height: f32, normal: vec3<f32>, direction: vec3<f32>, pixel_m: f3
     return mix(PAPER, CONTOUR, lines);
 }
 
-// Rays leave a surface from so far above it, metres: a fixed part, and what the rounding of a distance takes.
-const LIFT: vec2<f32> = vec2<f32>(0.01, 4.0e-6);
-
-// Where light that falls on a surface comes from: the surface, lifted. On the ground not below the DTM's own surface, from which
-// a far triangle may depart.
-fn lifted(at: vec3<f32>, normal: vec3<f32>, is_ground: bool) -> vec3<f32> {
-    let lift = LIFT.x + LIFT.y * length(at);
-    let start = at + normal * lift;
-    if !is_ground { return start; }
-    let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + start.xy) / frame.tile_m));
-    let entry = terrain_entry(tile);
-    if entry.slot < 0 { return start; }
-    let local = start.xy - tile_corner(tile_over(tile, entry.level));
-    let surface = surface_at(local / terrain_step(entry.level), u32(entry.slot), entry.level);
-    return vec3<f32>(start.xy, max(start.z, surface.height + lift));
-}
-
-// A rotation about `axis`: a unit vector at `radius` (sine) and `azimuth` from it.
-fn around(axis: vec3<f32>, radius: f32, azimuth: f32) -> vec3<f32> {
-    let pole = select(vec3<f32>(0.0, 0.0, 1.0), vec3<f32>(1.0, 0.0, 0.0), abs(axis.z) > 0.9);
-    let side = normalize(cross(axis, pole));
-    let across = cross(axis, side);
-    let plan = radius * (cos(azimuth) * side + sin(azimuth) * across);
-    return plan + sqrt(max(1.0 - radius * radius, 0.0)) * axis;
-}
-
-// Length of a ray to the sky, metres: what stands farther away hides little of it.
-const SKY_RAY_M: f32 = 60.0;
-// What walls across a street send on of the light that falls on level ground and of the sun's: reflectance, the part of them in the
-// sun, its mean cosine. And what the ground before a wall gets of the open ground's light, for the shadows on it. Estimates.
-const WALL_ALBEDO: f32 = 0.33;
-const WALLS_IN_SUN: f32 = 0.28;
-const WALLS_SKY: f32 = 0.60;
+// What the ground before a wall gets of the open ground's light, for the shadows on it. An estimate.
 const GROUND_OPEN: f32 = 0.75;
 
-// Where a ray to the sky ends.
-const MEETS_GROUND: u32 = 0u;
-const MEETS_WALL: u32 = 1u;
-const MEETS_SKY: u32 = 2u;
-
-// What a surface gets along one ray to the sky and one to the sun: where the one ends, and whether the sun is seen, past buildings
-// and the ground.
-struct Received {
-    sky: u32,
-    sun: bool,
-}
-
-// Irradiance from all round, by where the one ray of it ends.
-fn ambient(normal: vec3<f32>, meets: u32) -> vec3<f32> {
-    let open = sky_irradiance(normal);
-    if meets == MEETS_SKY { return open; }
-    if meets == MEETS_GROUND { return GROUND_OPEN * open; }
-    let up = sky_irradiance(vec3<f32>(0.0, 0.0, 1.0));
-    return WALL_ALBEDO * (WALLS_IN_SUN * frame.sun_irradiance.xyz + WALLS_SKY * up);
-}
-
-fn receive(start: vec3<f32>, normal: vec3<f32>, to_sky: vec3<f32>, to_sun: vec3<f32>) -> Received {
-    var received = Received(MEETS_GROUND, false);
-    // One loop for both rays: a device that inlines the walk does so once.
-    for (var k = 0; k < 2; k += 1) {
-        let is_sky = k == 0;
-        let direction = select(to_sun, to_sky, is_sky);
-        if direction.z > 0.0 && dot(normal, direction) > 0.0 {
-            let is_open = walk_city(make_ray(start, direction), 0.0, select(FAR, SKY_RAY_M, is_sky)).t >= FAR;
-            if is_sky { received.sky = select(MEETS_WALL, MEETS_SKY, is_open); } else { received.sun = is_open; }
-        }
+// The parts of the light from all round that come from the ground, from walls and from the sky: of the rays that the ambient pass cast
+// for the four nearest of its pixels, those that left the same surface. On an edge that none of them saw, the likest.
+fn light_parts(pixel: vec2<i32>, at: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    let own = pixel >> vec2<u32>(1u);
+    // Sideways to the nearer one; upwards always, because the one below may be of a band that is not drawn yet.
+    let beside = vec2<i32>(select(-1, 1, (pixel.x & 1) == 1), -1);
+    let last = (vec2<i32>(frame.size) - 1) >> vec2<u32>(1u);
+    let tolerance = 0.02 + 2.0 * length(at) * frame.pixel_angle;
+    var parts = vec3<f32>(0.0, 0.0, 1.0e-6);
+    for (var k = 0; k < 4; k += 1) {
+        let place = clamp(own + beside * vec2<i32>(k & 1, k >> 1u), vec2<i32>(0), last);
+        let word = textureLoad(ambient_rays, place, 0);
+        if word.y == NO_SURFACE { continue; }
+        let surface = unpack_normal(word.y);
+        let t = bitcast<f32>(word.x & ~3u);
+        let from_at = ray_direction(vec2<f32>(sampled_pixel(place)) + 0.5) * t;
+        let is_same = dot(surface, normal) > 0.9 && abs(dot(from_at - at, normal)) < tolerance;
+        let weight = select(0.001 * (1.01 + dot(surface, normal)), 1.0, is_same);
+        parts[word.x & 3u] += weight;
     }
-    if received.sun { received.sun = walk_ground(make_ray(start, to_sun), 0.0, FAR) >= FAR; }
-    return received;
+    return parts / (parts.x + parts.y + parts.z);
+}
+
+// Irradiance from all round.
+fn ambient(normal: vec3<f32>, parts: vec3<f32>) -> vec3<f32> {
+    let open = parts[MEETS_SKY] + GROUND_OPEN * parts[MEETS_GROUND];
+    return open * sky_irradiance(normal) + parts[MEETS_WALL] * (frame.wall_light.rgb + PI * NIGHT_SKY);
+}
+
+// Whether the sun is seen along a ray, past buildings and the ground.
+fn sees_sun(start: vec3<f32>, normal: vec3<f32>, to_sun: vec3<f32>) -> bool {
+    if to_sun.z <= 0.0 || dot(normal, to_sun) <= 0.0 { return false; }
+    let ray = make_ray(start, to_sun);
+    if walk_city(ray, 0.0, FAR).t < FAR { return false; }
+    return walk_ground(ray, 0.0, FAR) >= FAR;
 }
 
 // Reflectance of glass at normal incidence (index 1.52); exponent of its gloss.
@@ -143,16 +114,16 @@ struct Mirrored {
     passes: f32,
 }
 
-fn mirrored(direction: vec3<f32>, normal: vec3<f32>, below_roof: f32, received: Received) -> Mirrored {
+fn mirrored(direction: vec3<f32>, normal: vec3<f32>, below_roof: f32, in_sun: bool) -> Mirrored {
     let facing = max(-dot(direction, normal), 0.0);
     let reflectance = GLASS_REFLECTANCE + (1.0 - GLASS_REFLECTANCE) * pow(1.0 - facing, 5.0);
     let reflected = reflect(direction, normal);
     // Sky over the houses opposite, their walls below it.
     let edge = max(below_roof, 0.0) / STREET_M;
     let sky_part = smoothstep(edge - 0.08, edge + 0.08, reflected.z / max(length(reflected.xy), 1.0e-3));
-    let wall = 0.35 / PI * sky_irradiance(-vec3<f32>(reflected.xy, 0.0)) * vec3<f32>(1.0, 0.96, 0.90);
+    let wall = frame.wall_light.rgb / PI;
     var radiance = mix(wall, sky_colour(normalize(vec3<f32>(reflected.xy, max(reflected.z, 0.0)))), sky_part);
-    if received.sun {
+    if in_sun {
         let half_way = normalize(frame.sun.xyz - direction);
         let gloss = (GLASS_GLOSS + 2.0) / (8.0 * PI) * pow(max(dot(normal, half_way), 0.0), GLASS_GLOSS);
         radiance += min(frame.sun_irradiance.xyz * gloss, vec3<f32>(400.0));
@@ -216,17 +187,14 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     }
     let random = sample_numbers(pixel, frame.sample);
     let start = lifted(at, normal, is_ground);
-    // The sky's half, cosine-weighted, and the sun's disc.
-    let azimuth = 2.0 * PI * random.y;
-    let to_sky = around(normal, sqrt(random.x), azimuth);
-    let to_sun = around(frame.sun.xyz, frame.sun.w * sqrt(random.z), azimuth);
-    let received = receive(start, normal, to_sky, to_sun);
-    let sky = ambient(material.normal, received.sky);
+    let to_sun = around(frame.sun.xyz, frame.sun.w * sqrt(random.z), 2.0 * PI * random.y);
+    let in_sun = sees_sun(start, normal, to_sun);
+    let sky = ambient(material.normal, light_parts(pixel, at, normal));
     let sunlight = frame.sun_irradiance.xyz * max(dot(material.normal, to_sun), 0.0);
-    let sun = select(vec3<f32>(0.0), sunlight, received.sun);
+    let sun = select(vec3<f32>(0.0), sunlight, in_sun);
     var radiance = material.albedo / PI * (sun + sky);
     if material.glass > 0.0 {
-        let pane = mirrored(direction, material.normal, below_roof, received);
+        let pane = mirrored(direction, material.normal, below_roof, in_sun);
         // Curtains glow.
         let lamp = LAMP * material.lit * night() * clamp(0.5 + 8.0 * material.albedo.g, 0.5, 1.6);
         radiance = mix(radiance, pane.radiance + pane.passes * (radiance + lamp), material.glass);

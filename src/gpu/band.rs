@@ -25,13 +25,24 @@ impl Band {
         self.index + 1 >= self.count
     }
 
-    /// First row and number of rows of an image of `height` rows.
+    /// First row and number of rows of an image of `height` rows. Bands begin at even rows, so that those of an image of half the size
+    /// are theirs.
     fn rows(self, height: u32) -> [u32; 2] {
         let row = |index: u32| {
             let row = u64::from(height) * u64::from(index) / u64::from(self.count.max(1));
-            u32::try_from(row).unwrap_or(height)
+            let row = u32::try_from(row).unwrap_or(height);
+            if index >= self.count { height } else { row & !1 }
         };
         [row(self.index), row(self.index + 1) - row(self.index)]
+    }
+
+    /// Lets a pass on an image of half the size draw on the band only; `size`: pixels of the whole one.
+    pub fn confine_half(self, pass: &mut wgpu::RenderPass<'_>, [width, height]: [u32; 2]) -> bool {
+        let [first, rows] = self.rows(height);
+        if rows > 0 {
+            pass.set_scissor_rect(0, first / 2, width.div_ceil(2), rows.div_ceil(2));
+        }
+        rows > 0
     }
 
     /// Lets a pass draw on the band only; false when it has no row of an image of `size` pixels.
@@ -68,6 +79,7 @@ mod tests {
             for index in 0..count {
                 let [first, rows] = Band { index, count }.rows(height);
                 assert_eq!(first, next);
+                assert_eq!(first % 2, if rows > 0 { 0 } else { first % 2 });
                 next += rows;
             }
             assert_eq!(next, height);

@@ -1,7 +1,7 @@
 //! The conductor: the passes of a frame in their order.
 //!
 //! ```text
-//! every sample:  ground ─▶ buildings (cone, exact | polygons) ─▶ light ─▶ accumulate ─┐
+//! every sample:  ground ─▶ buildings (cone, exact | polygons) ─▶ light (ambient, light) ─▶ accumulate ─┐
 //! then:                                             flare (sun through the lens) ─────┴▶ tone map ─▶ image
 //! ```
 //! Before them the tile pool takes what the view wants. A frame is a sample and the image of all samples so far. It reads nothing

@@ -27,8 +27,8 @@ pub struct LightPass {
 
 impl LightPass {
     /// Group 2: the ground's distance and normal, the buildings' surface and facade, imagery and its sampler; colours and details of
-    /// the materials, their sampler, the palette; the sky.
-    pub const INPUT: [wgpu::BindingType; 11] = [
+    /// the materials, their sampler, the palette; the sky; the ambient pass's rays.
+    pub const INPUT: [wgpu::BindingType; 12] = [
         texture(FLOAT),
         texture(Uint),
         texture(Uint),
@@ -40,6 +40,7 @@ impl LightPass {
         SAMPLER,
         texture(FLOAT),
         texture_array(FILTERED),
+        texture(Uint),
     ];
 
     /// For the layouts of groups 0 and 1.
@@ -83,6 +84,7 @@ impl LightPass {
             wgpu::BindingResource::Sampler(&self.tiling_sampler),
             view(&self.materials.palette),
             view(&self.sky.images.view),
+            targets.ambient_rays.binding(),
         ];
         let layout = &self.input_layout;
         self.input
@@ -94,7 +96,7 @@ impl LightPass {
         self.input.clear();
     }
 
-    /// Encodes the pass.
+    /// Encodes the pass: the end of the light's time.
     pub fn encode(&self, context: &mut PassContext<'_>) {
         let (targets, band) = (context.targets, context.band);
         let mut pass = context.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -104,7 +106,7 @@ impl LightPass {
                 band.attachment(&targets.distance, FAR_COLOR),
                 band.attachment(&targets.id, wgpu::Color::TRANSPARENT),
             ],
-            timestamp_writes: context.timer.pass(pass_number::LIGHT),
+            timestamp_writes: context.timer.pass_end(pass_number::LIGHT),
             ..Default::default()
         });
         if !band.confine(&mut pass, targets.size) {

@@ -1,11 +1,12 @@
 //! The relief pass: resident tiles, pose and sun to linear HDR radiance, depth and ids.
 //!
 //! ```text
-//! ground_pass ─▶ distance, normal ─┬──────────────────────────────────────────────────┐
-//!                                  └▶ cone_pass ─▶ exact_pass | polygons_pass ─▶ light_pass ─▶ radiance, distance, id
+//! ground_pass ─▶ distance, normal ─┬─────────────────────────────────────────────────┬────────────────┐
+//!                                  └▶ cone_pass ─▶ exact_pass | polygons_pass ─▶ ambient_pass ─▶ light_pass ─▶ radiance, distance, id
 //! ```
 //! One traversal on the CPU as well: `march` past the buildings, `ground_march` past the terrain; `cast` is what others call.
 
+mod ambient_pass;
 mod building_mesh;
 mod cast;
 mod city_bindings;
@@ -26,6 +27,7 @@ mod sky_tables;
 mod sun_visibility;
 mod targets;
 
+pub use ambient_pass::AmbientPass;
 pub use building_mesh::{BuildingMesh, MeshVertex, building_mesh};
 pub use cast::{cast_buildings, cast_ground, is_open, pick};
 pub use city_bindings::CityBindings;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::ambient_pass::AmbientPass;
 use super::cone_pass::ConePass;
 use super::context::{PassContext, pass_number};
 use super::exact_pass::ExactPass;
@@ -47,6 +48,7 @@ pub struct ReliefPass {
     ground: GroundPass,
     cone: ConePass,
     exact: ExactPass,
+    ambient: AmbientPass,
     shade: LightPass,
     polygons: Option<PolygonsPass>,
     targets: BySize<ReliefTargets>,
@@ -71,6 +73,7 @@ impl ReliefPass {
             ground: GroundPass::new(gpu, layouts),
             cone: ConePass::new(gpu, layouts),
             exact: ExactPass::new(gpu, layouts),
+            ambient: AmbientPass::new(gpu, layouts),
             shade: LightPass::new(gpu, layouts)?,
             polygons: None,
             targets: BySize::default(),
@@ -115,6 +118,7 @@ impl ReliefPass {
     pub fn resize(&mut self, gpu: &Gpu, resident: &Resident, size: [u32; 2]) -> &ReliefTargets {
         let targets = self.targets.select(size, || ReliefTargets::new(gpu, size));
         self.exact.bind(gpu, targets);
+        self.ambient.bind(gpu, targets);
         self.shade.bind(gpu, targets, &resident.imagery);
         if let Some(polygons) = &mut self.polygons {
             polygons.bind(gpu, targets);
@@ -179,6 +183,7 @@ impl ReliefPass {
                 self.exact.encode(&mut context);
             }
         }
+        self.ambient.encode(&mut context);
         self.shade.encode(&mut context);
     }
 }

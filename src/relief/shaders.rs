@@ -54,6 +54,23 @@ pub const POLYGONS: ShaderSource = ShaderSource {
     ],
 };
 
+/// Rays of light from all round.
+pub const AMBIENT: ShaderSource = ShaderSource {
+    name: "relief/ambient.wgsl",
+    constants: CONSTANTS,
+    files: &[
+        shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/tile_table.wgsl"),
+        shader_file!("lib/building_map.wgsl"),
+        shader_file!("lib/terrain.wgsl"),
+        shader_file!("lib/march.wgsl"),
+        shader_file!("lib/random.wgsl"),
+        shader_file!("lib/surface_rays.wgsl"),
+        shader_file!("fullscreen.wgsl"),
+        shader_file!("relief/ambient.wgsl"),
+    ],
+};
+
 /// Lighting.
 pub const LIGHT: ShaderSource = ShaderSource {
     name: "relief/light.wgsl",
@@ -67,6 +84,7 @@ pub const LIGHT: ShaderSource = ShaderSource {
         shader_file!("lib/ground_march.wgsl"),
         shader_file!("lib/sky.wgsl"),
         shader_file!("lib/random.wgsl"),
+        shader_file!("lib/surface_rays.wgsl"),
         shader_file!("lib/facade.wgsl"),
         shader_file!("fullscreen.wgsl"),
         shader_file!("relief/light.wgsl"),
@@ -74,4 +92,4 @@ pub const LIGHT: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the relief pass.
-pub const ALL: [ShaderSource; 5] = [GROUND, CONE, EXACT, POLYGONS, LIGHT];
+pub const ALL: [ShaderSource; 6] = [GROUND, CONE, EXACT, POLYGONS, AMBIENT, LIGHT];

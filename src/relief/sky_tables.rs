@@ -7,6 +7,12 @@ use crate::gpu::{Gpu, GpuError, LayerPool};
 use crate::space::atmosphere::{Atmosphere, SKY_VIEW_SIZE, SkyIrradiance, SkyTexel};
 use crate::space::{SUN_ABOVE_AIR, Sun};
 
+/// Of walls: reflectance, the part of them that is in the sun by the mean cosine there, and the part of the light of level ground that
+/// they get of the sky and of one another. Estimates for a street.
+const WALL_ALBEDO: f64 = 0.33;
+const WALLS_IN_SUN: f64 = 0.28;
+const WALLS_SKY: f64 = 0.60;
+
 /// The tables, and for which sun they are.
 pub struct SkyTables {
     /// Two layers, `SkyTexel::even` and `SkyTexel::mie`; rows from straight below.
@@ -56,6 +62,15 @@ impl SkyTables {
         let coefficients = self.irradiance.map(|irradiance| irradiance.coefficients);
         let scaled = |k: usize| coefficients.map_or(DVec3::ZERO, |all| all[k] * SUN_ABOVE_AIR);
         std::array::from_fn(|k| scaled(k).as_vec3().extend(0.0))
+    }
+
+    /// What walls across a street send on to a surface whose view they fill: of the sun's light at this hour and of the sky's.
+    pub fn wall_light(&self) -> DVec3 {
+        let sky = self
+            .irradiance
+            .map_or(DVec3::ZERO, |irradiance| irradiance.on(DVec3::Z));
+        let sun = Atmosphere::get().sunlight(self.to_sun.z);
+        WALL_ALBEDO * SUN_ABOVE_AIR * (WALLS_IN_SUN * sun + WALLS_SKY * sky)
     }
 
     /// Irradiance of level ground under the open sky, the sun's share included, luminance.

@@ -49,6 +49,8 @@ pub struct ReliefTargets {
     pub building_surface: Target,
     /// Buildings: bits of the bays a metre, the base and the height, what they are made of (`shaders/lib/building_texels.wgsl`).
     pub building_facade: Target,
+    /// At half the size: where the rays of light from all round end (`shaders/relief/ambient.wgsl`).
+    pub ambient_rays: Target,
     /// Linear radiance.
     pub radiance: Target,
     /// Metres along the view ray of what is seen, 3e38 for sky.
@@ -75,6 +77,12 @@ impl ReliefTargets {
             ),
             building_surface: target("building surface", Format::Rgba32Uint),
             building_facade: target("building facade", Format::Rgba32Uint),
+            ambient_rays: Target::new(
+                gpu,
+                "ambient rays",
+                size.map(|side| side.div_ceil(2)),
+                Format::Rg32Uint,
+            ),
             radiance: target("radiance", Format::Rgba16Float),
             distance: target("distance", Format::R32Float),
             id: target("id", Format::R32Uint),
