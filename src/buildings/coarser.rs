@@ -18,6 +18,16 @@ struct Part {
     coverage: u32,
 }
 
+/// Columns of a square of a coarse map.
+struct Patch {
+    /// Its south-west texel in the map.
+    origin: [usize; 2],
+    side: usize,
+    /// Columns, row by row; buildings are indices of `roofs`.
+    cells: Vec<Option<Full>>,
+    roofs: Vec<RoofRecord>,
+}
+
 /// The map over four maps of `side` texels a side (south-west, south-east, north-west, north-east; none where no building stands);
 /// none without any.
 ///
@@ -28,76 +38,148 @@ pub fn coarser(children: [Option<&BuildingMap>; 4]) -> Result<Option<BuildingMap
         return Ok(None);
     };
     let (side, texel_m) = (first.side, 2.0 * first.texel_m);
-    let mut roofs: Vec<RoofRecord> = children
-        .iter()
-        .flatten()
-        .flat_map(|map| map.roofs.clone())
+    let children = (0..4).zip(children);
+    let patches: Vec<Patch> = children
+        .clone()
+        .filter_map(|(quadrant, child)| Some(Patch::from_child(child?, quadrant)))
         .collect();
-    roofs.sort_by_key(|roof| roof.fid);
-    roofs.dedup_by_key(|roof| roof.fid);
-    let half = side / 2;
-    // The parts of every texel's column, one a quarter.
-    let mut columns = vec![[Part::default(); 4]; side * side];
-    for (quadrant, map) in children.iter().enumerate() {
-        let Some(map) = map else { continue };
-        let index: Vec<u32> = (map.roofs.iter())
-            .map(|roof| roofs.partition_point(|other| other.fid < roof.fid) as u32)
-            .collect();
-        let origin = [half * (quadrant % 2), half * (quadrant / 2)];
+    let ranges = children.filter_map(|(_, child)| Some(child?.height_range));
+    assembled((side, texel_m), &patches, ranges).map(Some)
+}
+
+/// The same where `before` is the map over the children as they were and some of them changed: of the others only the ranges of their
+/// heights are asked, `ranges`. `changed`: by quadrant, none where the child is as it was.
+///
+/// # Errors
+/// When it has more words than a code can count.
+pub fn coarser_again(
+    before: &BuildingMap,
+    changed: [Option<Option<&BuildingMap>>; 4],
+    ranges: [Option<[f32; 2]>; 4],
+) -> Result<Option<BuildingMap>, MapTooLarge> {
+    if ranges.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let fresh = (0..4).zip(changed);
+    let fresh = fresh.filter_map(|(quadrant, child)| Some(Patch::from_child(child??, quadrant)));
+    let kept = Patch::from_parent(before, changed.map(|child| child.is_none()));
+    let patches: Vec<Patch> = fresh.chain([kept]).collect();
+    assembled(
+        (before.side, before.texel_m),
+        &patches,
+        ranges.into_iter().flatten(),
+    )
+    .map(Some)
+}
+
+impl Patch {
+    /// Of the child that lies under a quadrant.
+    fn from_child(map: &BuildingMap, quadrant: usize) -> Self {
+        let half = map.side / 2;
+        // The parts of every texel's column, one a quarter.
+        let mut columns = vec![[Part::default(); 4]; half * half];
         for ([block_x, block_y], codes) in map.occupied_blocks() {
             for (texel, &code) in codes.iter().enumerate() {
                 let Some((building, coverage)) = covered(map, code) else {
                     continue;
                 };
                 let [x, y] = [BLOCK * block_x + texel % BLOCK, BLOCK * block_y + texel / BLOCK];
-                let cell = (origin[1] + y / 2) * side + origin[0] + x / 2;
-                columns[cell][x % 2 + 2 * (y % 2)] = Part {
-                    building: index[building as usize],
-                    coverage,
-                };
+                columns[y / 2 * half + x / 2][x % 2 + 2 * (y % 2)] = Part { building, coverage };
             }
         }
-    }
-    let mut used = vec![false; roofs.len()];
-    let mut cells: Vec<Option<Full>> = vec![None; side * side];
-    let is_covered = |parts: &&mut [Part; 4]| parts.iter().any(|part| part.coverage > 0);
-    let texels = cells.iter_mut().zip(&mut columns).enumerate();
-    for (place, (cell, parts)) in texels.filter(|(_, (_, parts))| is_covered(parts)) {
-        *cell = merged(parts, &roofs, (place % side + place / side) % 2 == 0);
-        if let Some(full) = cell {
-            used[full.building as usize] = true;
+        let is_covered = |parts: &[Part; 4]| parts.iter().any(|part| part.coverage > 0);
+        let cell = |(place, parts): (usize, &mut [Part; 4])| {
+            // The same places round up in every quadrant: its origin is even.
+            let rounds_up = (place % half + place / half).is_multiple_of(2);
+            is_covered(parts)
+                .then(|| merged(parts, &map.roofs, rounds_up))
+                .flatten()
+        };
+        Self {
+            origin: [half * (quadrant % 2), half * (quadrant / 2)],
+            side: half,
+            cells: columns.iter_mut().enumerate().map(cell).collect(),
+            roofs: map.roofs.clone(),
         }
     }
-    let mut new_index = vec![0; roofs.len()];
-    let mut count = 0;
-    for (index, used) in new_index.iter_mut().zip(&used) {
-        *index = count;
-        count += u32::from(*used);
+
+    /// Of a coarse map those quadrants that stay.
+    fn from_parent(map: &BuildingMap, stays: [bool; 4]) -> Self {
+        let half = map.side / 2;
+        let mut cells = vec![None; map.side * map.side];
+        for ([block_x, block_y], codes) in map.occupied_blocks() {
+            let [x, y] = [BLOCK * block_x, BLOCK * block_y];
+            if !stays[x / half + 2 * (y / half)] {
+                continue;
+            }
+            for (texel, &code) in codes.iter().enumerate() {
+                if let CellKind::Full(full) = CellKind::from_code(code) {
+                    cells[(y + texel / BLOCK) * map.side + x + texel % BLOCK] = Some(full);
+                }
+            }
+        }
+        Self {
+            origin: [0; 2],
+            side: map.side,
+            cells,
+            roofs: map.roofs.clone(),
+        }
     }
-    let mut is_used = used.iter();
-    roofs.retain(|_| is_used.next().copied().unwrap_or(false));
-    let code = |full: &Option<Full>| match full {
-        None => 0,
-        Some(full) => CellKind::Full(Full {
-            building: new_index[full.building as usize],
-            ..*full
+
+    /// Its columns with their places in a map of `side` texels.
+    fn columns(&self, side: usize) -> impl Iterator<Item = (usize, Full)> {
+        let cells = self.cells.iter().enumerate();
+        cells.filter_map(move |(place, full)| {
+            let [x, y] = [
+                place % self.side + self.origin[0],
+                place / self.side + self.origin[1],
+            ];
+            Some((y * side + x, (*full)?))
         })
-        .code(),
-    };
+    }
+}
+
+/// A map of `side` texels from patches; `ranges`: of its children's heights.
+fn assembled(
+    (side, texel_m): (usize, f32),
+    patches: &[Patch],
+    ranges: impl Iterator<Item = [f32; 2]>,
+) -> Result<BuildingMap, MapTooLarge> {
+    // Of each patch's buildings those that it shows, by id.
+    let mut roofs: Vec<RoofRecord> = Vec::new();
+    for patch in patches {
+        let mut used = vec![false; patch.roofs.len()];
+        for full in patch.cells.iter().flatten() {
+            used[full.building as usize] = true;
+        }
+        let used = patch.roofs.iter().zip(used).filter(|(_, used)| *used);
+        roofs.extend(used.map(|(roof, _)| *roof));
+    }
+    roofs.sort_by_key(|roof| roof.fid);
+    roofs.dedup_by_key(|roof| roof.fid);
+    let mut cells = vec![0; side * side];
+    for patch in patches {
+        let index: Vec<u32> = (patch.roofs.iter())
+            .map(|roof| roofs.partition_point(|other| other.fid < roof.fid) as u32)
+            .collect();
+        for (place, full) in patch.columns(side) {
+            let building = index[full.building as usize];
+            cells[place] = CellKind::Full(Full { building, ..full }).code();
+        }
+    }
     let mut map = BuildingMap::from_raster(CellRaster {
         side,
         texel_m,
-        cells: cells.iter().map(code).collect(),
+        cells,
         lists: Vec::new(),
         vertices: Vec::new(),
         roofs,
     })?;
-    let ranges = children.iter().flatten().map(|map| map.height_range);
     map.height_range = ranges.fold(
         [f32::INFINITY, f32::NEG_INFINITY],
         |[lowest, highest], [low, high]| [lowest.min(low), highest.max(high)],
     );
-    Ok(Some(map))
+    Ok(map)
 }
 
 /// The building of a texel and how much of it is covered, 1 to [`Full::WHOLE`]; of a texel with an outline what covers its reference

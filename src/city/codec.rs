@@ -238,6 +238,20 @@ pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, Cit
     Ok(map)
 }
 
+/// Reads no more of a building-map tile than the range of its heights: lowest ground, highest roof, metres.
+pub fn read_height_range(path: &Path, level: u32) -> Result<[f32; 2], CityError> {
+    let mut reader = PageReader::open(path)?;
+    let before = if level == 0 { 4 } else { 2 };
+    for _ in 0..before {
+        reader.skip([None, None])?;
+    }
+    let (roofs, _) = reader.words([Some(4), None])?;
+    match roofs.as_chunks::<4>().0.last() {
+        Some(&[highest, lowest, ..]) => Ok([lowest, highest].map(f32::from_bits)),
+        None => Err(damaged(path, "a table has no row".to_owned())),
+    }
+}
+
 /// Writes an orthophoto tile.
 pub fn write_imagery(
     path: &Path,

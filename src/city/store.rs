@@ -225,6 +225,13 @@ impl City {
         Ok(Some(map))
     }
 
+    /// Lowest ground under and highest roof of a tile's buildings, metres; none where no building stands.
+    pub fn height_range(&self, tile: TileId) -> Result<Option<[f32; 2]>, CityError> {
+        self.existing(Layer::Buildings, tile)
+            .map(|path| codec::read_height_range(&path, tile.level))
+            .transpose()
+    }
+
     /// Imagery of a tile, none where there is none.
     pub fn imagery(&self, tile: TileId) -> Result<Option<ImageryTile>, CityError> {
         self.existing(Layer::Imagery, tile)

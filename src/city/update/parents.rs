@@ -5,13 +5,14 @@ use std::collections::{BTreeSet, HashMap};
 use rayon::prelude::*;
 
 use super::changes::TileChange;
-use crate::buildings::{BuildingMap, coarser};
+use crate::buildings::{BuildingMap, coarser, coarser_again};
 use crate::city::{City, CityError, Layer};
 use crate::space::TileId;
 
 /// The tiles over changed ones whose maps become other ones, level after level.
 pub fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChange>, CityError> {
     let grid = &city.manifest().grid;
+    let mut before = read_ancestors(city, tiles);
     let mut parents: Vec<TileChange> = Vec::new();
     let mut below = 0..tiles.len();
     for level in 1..grid.levels() {
@@ -22,9 +23,11 @@ pub fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChan
                 .collect(),
         };
         let ids: BTreeSet<TileId> = changed.keys().map(|id| id.parent()).collect();
-        let ids: Vec<TileId> = ids.into_iter().collect();
-        let parent = |&id: &TileId| parent_change(city, id, &changed).transpose();
-        let next = ids.par_iter().filter_map(parent);
+        let ids: Vec<_> = ids.into_iter().map(|id| (id, before.remove(&id))).collect();
+        let parent = |(id, before): (TileId, Option<BuildingMap>)| {
+            parent_change(city, id, before, &changed).transpose()
+        };
+        let next = ids.into_par_iter().filter_map(parent);
         let next = next.collect::<Result<Vec<TileChange>, CityError>>()?;
         below = parents.len()..parents.len() + next.len();
         parents.extend(next);
@@ -32,30 +35,54 @@ pub fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChan
     Ok(parents)
 }
 
+/// The maps over changed tiles as they are, at once; without those that are damaged, which differ from any.
+fn read_ancestors(city: &City, tiles: &[TileChange]) -> HashMap<TileId, BuildingMap> {
+    let mut ids: BTreeSet<TileId> = BTreeSet::new();
+    for tile in tiles {
+        let mut id = tile.id;
+        for _ in 1..city.manifest().grid.levels() {
+            id = id.parent();
+            ids.insert(id);
+        }
+    }
+    let read = |id: TileId| Some((id, city.buildings(id).ok().flatten()?));
+    ids.into_par_iter().filter_map(read).collect()
+}
+
 /// A tile of a coarse level over changed ones; none when it stays the same.
 fn parent_change(
     city: &City,
     id: TileId,
+    before: Option<BuildingMap>,
     changed: &HashMap<TileId, Option<&BuildingMap>>,
 ) -> Result<Option<TileChange>, CityError> {
     let children = city.manifest().grid.children(id);
-    let read_child = |child: &TileId| match changed.contains_key(child) {
-        true => Ok(None),
-        false => city.buildings(*child),
-    };
-    // A damaged tile is one that differs.
-    let (read, before) = rayon::join(
-        || children.par_iter().map(read_child).collect::<Result<Vec<_>, _>>(),
-        || city.buildings(id).ok().flatten(),
-    );
-    let read = read?;
-    let child = |k: usize| match changed.get(&children[k]) {
-        Some(map) => *map,
-        None => read[k].as_ref(),
-    };
-    let map = coarser(std::array::from_fn(child)).map_err(|source| CityError::TileTooLarge {
+    let too_large = |source| CityError::TileTooLarge {
         path: Layer::Buildings.tile_path(city.folder(), id),
         source,
-    })?;
+    };
+    let map = match &before {
+        Some(before) => {
+            let changed = children.map(|child| changed.get(&child).copied());
+            let range = |k: usize| match changed[k] {
+                Some(child) => Ok(child.map(|child| child.height_range)),
+                None => city.height_range(children[k]),
+            };
+            let ranges = [range(0)?, range(1)?, range(2)?, range(3)?];
+            coarser_again(before, changed, ranges).map_err(too_large)?
+        }
+        None => {
+            let read_child = |child: &TileId| match changed.contains_key(child) {
+                true => Ok(None),
+                false => city.buildings(*child),
+            };
+            let read = children.iter().map(read_child).collect::<Result<Vec<_>, _>>()?;
+            let child = |k: usize| match changed.get(&children[k]) {
+                Some(map) => *map,
+                None => read[k].as_ref(),
+            };
+            coarser(std::array::from_fn(child)).map_err(too_large)?
+        }
+    };
     Ok(TileChange::between(city, id, before, map))
 }
