@@ -7,7 +7,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, RayRecord};
 use rilievo::output::DebugFrame;
-use rilievo::relief::{Anchor, FrameUniforms};
+use rilievo::relief::{Anchor, FrameUniforms, SearchParameters};
 use rilievo::scene::{GroundRecord, RoofRecord, TileRecord, VertexRecord};
 
 fn all() -> Vec<rilievo::gpu::ShaderSource> {
@@ -43,7 +43,7 @@ shader_types!(
     f32 => "f32", u32 => "u32", i32 => "i32",
     [f32; 2] => "vec2<f32>", [f32; 3] => "vec3<f32>", [f32; 4] => "vec4<f32>",
     [i32; 2] => "vec2<i32>", glam::Vec4 => "vec4<f32>", glam::Mat4 => "mat4x4<f32>",
-    [glam::Vec4; 9] => "array<vec4<f32>, 9>",
+    SearchParameters => "SearchParameters", [glam::Vec4; 9] => "array<vec4<f32>, 9>",
 );
 
 fn wgsl_of<S, T: ShaderType>(_: fn(&S) -> &T) -> String {
@@ -90,7 +90,10 @@ fn shader_layout(name: &str) -> (Vec<(String, String, usize)>, usize) {
                     let name = member.name.clone().unwrap_or_default();
                     (
                         name,
-                        wgsl_name(&module, &module.types[member.ty].inner),
+                        module.types[member.ty]
+                            .name
+                            .clone()
+                            .unwrap_or_else(|| wgsl_name(&module, &module.types[member.ty].inner)),
                         member.offset as usize,
                     )
                 });
@@ -126,6 +129,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "upward" = upward,
             "sun" = sun,
             "sun_irradiance" = sun_irradiance,
+            "search" = search,
             "sky_light" = sky_light,
             "wall_light" = wall_light,
             "eye_in_tile" = eye_in_tile,
@@ -172,6 +176,16 @@ fn records_are_laid_out_alike_on_both_sides() {
             "padding_a" = padding_a,
             "padding_b" = padding_b,
             "padding_c" = padding_c,
+        ]
+    );
+    same_layout!(
+        "SearchParameters",
+        SearchParameters,
+        [
+            "slices" = slices,
+            "refinements" = refinements,
+            "delta" = delta,
+            "padding" = padding
         ]
     );
     same_layout!(
@@ -317,12 +331,15 @@ fn bindings_are_what_the_layouts_say() {
     use rilievo::camera::flare::FLARE_INPUT;
     use rilievo::camera::{AccumulatePass, RayPass, ToneMapPass};
     use rilievo::output::DebugView;
-    use rilievo::relief::{AmbientPass, CityBindings, ExactPass, LightPass, PolygonsPass, ReliefPass};
+    use rilievo::relief::{
+        AmbientPass, CityBindings, ExactPass, LightPass, PolygonsPass, ReliefPass, SearchPass,
+    };
     let groups = |name: &str| -> Vec<&'static [wgpu::BindingType]> {
         match name {
             "relief/ground.wgsl" | "relief/cone.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES],
             "relief/exact.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &ExactPass::INPUT],
             "relief/ambient.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &AmbientPass::INPUT],
+            "relief/search.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &SearchPass::INPUT],
             "relief/light.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &LightPass::INPUT],
             "relief/polygons.wgsl" => vec![&ReliefPass::FRAME, &PolygonsPass::ANCHOR, &PolygonsPass::INPUT],
             "camera/accumulate.wgsl" => vec![&AccumulatePass::INPUT],

@@ -17,7 +17,7 @@ use crate::camera::Camera;
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimes};
 use crate::output::{FrameRequest, RenderError, Renderer};
-use crate::relief::{ReliefMode, cast_buildings};
+use crate::relief::{ReliefMode, SearchParameters, cast_buildings};
 use crate::scene::{Frustum, TerrainMesh, TileSet};
 use crate::space::{Pose, Projection};
 
@@ -89,6 +89,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
                 size: args.size,
                 mode,
                 flare: None,
+                search: SearchParameters::default(),
                 exposure: 1.0,
             };
             let times = frame_times(&mut renderer, &request, args.frames)?;

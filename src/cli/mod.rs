@@ -28,6 +28,7 @@ mod lens_flare;
 mod lens_trace;
 mod render;
 mod sample;
+mod search_flags;
 mod statistics;
 mod update;
 mod values;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::CommandError;
 use super::camera_flags::{CameraFlags, sun};
 use super::pool_flags::{PoolFlags, tell_warnings};
+use super::search_flags::SearchFlags;
 use super::values::require_folder;
 use crate::city::City;
 use crate::gpu::Gpu;
@@ -39,6 +40,8 @@ pub struct RenderArgs {
     /// How buildings are drawn.
     #[arg(long, value_enum, default_value = "exact")]
     relief: ReliefMode,
+    #[command(flatten)]
+    search: SearchFlags,
     /// Draw every terrain sample instead of the TIN.
     #[arg(long)]
     terrain_grid: bool,
@@ -103,6 +106,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         sun: &sun,
         size: args.size,
         mode: args.relief,
+        search: args.search.parameters(),
         flare: flare.as_ref(),
         exposure: args.exposure,
     };

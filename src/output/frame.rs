@@ -1,7 +1,7 @@
 //! The conductor: the passes of a frame in their order.
 //!
 //! ```text
-//! every sample:  ground ─▶ buildings (cone, exact | polygons) ─▶ light (ambient, light) ─▶ accumulate ─┐
+//! every sample:  ground ─▶ buildings (cone, exact | search | polygons) ─▶ light (ambient, light) ─▶ accumulate ─┐
 //! then:                                             flare (sun through the lens) ─────┴▶ tone map ─▶ image
 //! ```
 //! Before them the tile pool takes what the view wants. A frame is a sample and the image of all samples so far. It reads nothing
@@ -12,7 +12,7 @@ use glam::DVec2;
 use super::{FlareSettings, RenderError, Renderer};
 use crate::camera::{Camera, daylight_exposure};
 use crate::gpu::Band;
-use crate::relief::{ReliefMode, ReliefView, TIMED_PASSES, sun_seen_from};
+use crate::relief::{ReliefMode, ReliefView, SearchParameters, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
 
 const RELIEF: usize = TIMED_PASSES.len();
@@ -36,6 +36,8 @@ pub struct FrameRequest<'a> {
     pub size: [u32; 2],
     /// How buildings are drawn.
     pub mode: ReliefMode,
+    /// How `ReliefMode::Search` searches.
+    pub search: SearchParameters,
     /// What the camera's lens adds; counts only behind a lens.
     pub flare: Option<&'a FlareSettings>,
     /// Factor on radiance before tone mapping, over that which follows the daylight.
@@ -108,6 +110,7 @@ impl Renderer {
             sun: request.sun,
             sample,
             mode: request.mode,
+            search: request.search,
             band,
         };
         self.relief

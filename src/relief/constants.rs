@@ -1,5 +1,6 @@
 //! What the relief's shaders share with Rust: the prelude of every one of them.
 
+use super::search_pass::SEARCH_BAY_M;
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
 use crate::material::{FACADE_LAYERS, FacadeBand, MAX_SLOPE, ROOF_M, TILE_SIZE};
@@ -47,6 +48,7 @@ pub const CONSTANTS: &[Constant] = &[
         ConstantValue::Float2([TILE_SIZE[0] as f32, TILE_SIZE[1] as f32]),
     ),
     ("MAX_SLOPE", ConstantValue::Float(MAX_SLOPE)),
+    ("SEARCH_BAY_M", ConstantValue::Float(SEARCH_BAY_M)),
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
     ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
 ];

@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec4};
 
 use super::GridPosition;
+use super::search_pass::SearchParameters;
 use super::sky_tables::SkyTables;
 use crate::buildings::Pyramid;
 use crate::scene::Resident;
@@ -20,6 +21,7 @@ pub struct FrameUniforms {
     pub upward: Vec4,
     pub sun: Vec4,
     pub sun_irradiance: Vec4,
+    pub search: SearchParameters,
     pub sky_light: [Vec4; 9],
     pub wall_light: Vec4,
     pub eye_in_tile: [f32; 2],
@@ -49,7 +51,7 @@ impl FrameUniforms {
         resident: &Resident,
         projection: &Projection,
         (sun, sky): (&Sun, &SkyTables),
-        sample: u32,
+        (sample, search): (u32, SearchParameters),
     ) -> Self {
         let grid = &resident.tiles.grid;
         let pose = &projection.pose;
@@ -63,6 +65,7 @@ impl FrameUniforms {
             upward: vector(pose.up * tan.y, 0.0),
             sun: vector(sun.to_sun, sun.angular_radius),
             sun_irradiance: vector(sun.irradiance, 0.0),
+            search,
             sky_light: sky.coefficients(),
             wall_light: vector(sky.wall_light(), 0.0),
             eye_in_tile: eye.in_tile.to_array(),

@@ -1,8 +1,8 @@
 //! The relief pass: resident tiles, pose and sun to linear HDR radiance, depth and ids.
 //!
 //! ```text
-//! ground_pass ─▶ distance, normal ─┬─────────────────────────────────────────────────┬────────────────┐
-//!                                  └▶ cone_pass ─▶ exact_pass | polygons_pass ─▶ ambient_pass ─▶ light_pass ─▶ radiance, distance, id
+//! ground_pass ─▶ distance, normal ─┬───────────────────────────────────────────────────────────────┬────────────────┐
+//!                                  └▶ cone_pass ─▶ exact_pass | search_pass | polygons_pass ─▶ ambient_pass ─▶ light_pass ─▶ radiance, distance, id
 //! ```
 //! One traversal on the CPU as well: `march` past the buildings, `ground_march` past the terrain; `cast` is what others call.
 
@@ -22,6 +22,7 @@ mod march;
 mod pass;
 mod polygons_pass;
 mod light_pass;
+mod search_pass;
 mod shaders;
 mod sky_tables;
 mod sun_visibility;
@@ -40,6 +41,7 @@ pub use light_pass::LightPass;
 pub use march::{Hit, SurfaceHit};
 pub use pass::{ReliefMode, ReliefPass, ReliefView};
 pub use polygons_pass::{Anchor, PolygonsPass};
+pub use search_pass::{SEARCH_BAY_M, SearchParameters, SearchPass};
 pub use shaders::ALL as SHADERS;
 pub use sun_visibility::sun_seen_from;
 pub use targets::ReliefTargets;

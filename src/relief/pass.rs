@@ -9,6 +9,7 @@ use super::exact_pass::ExactPass;
 use super::ground_pass::GroundPass;
 use super::light_pass::LightPass;
 use super::polygons_pass::PolygonsPass;
+use super::search_pass::{SearchParameters, SearchPass};
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
 use crate::gpu::{Band, BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
@@ -20,6 +21,8 @@ use crate::space::{Projection, Sun};
 pub enum ReliefMode {
     /// Out of the building map, by an exact walk.
     Exact,
+    /// Out of the building map, by the search of KR 10-0738500 in slices.
+    Search,
     /// As triangles of the footprint dataset: ground truth and yardstick.
     Polygons,
 }
@@ -35,6 +38,8 @@ pub struct ReliefView<'a> {
     pub sample: u32,
     /// How buildings are drawn.
     pub mode: ReliefMode,
+    /// How `ReliefMode::Search` searches.
+    pub search: SearchParameters,
     /// The rows to draw; the ground and polygons are drawn with the first ones, for all.
     pub band: Band,
 }
@@ -48,6 +53,7 @@ pub struct ReliefPass {
     ground: GroundPass,
     cone: ConePass,
     exact: ExactPass,
+    search: SearchPass,
     ambient: AmbientPass,
     shade: LightPass,
     polygons: Option<PolygonsPass>,
@@ -73,6 +79,7 @@ impl ReliefPass {
             ground: GroundPass::new(gpu, layouts),
             cone: ConePass::new(gpu, layouts),
             exact: ExactPass::new(gpu, layouts),
+            search: SearchPass::new(gpu, layouts),
             ambient: AmbientPass::new(gpu, layouts),
             shade: LightPass::new(gpu, layouts)?,
             polygons: None,
@@ -118,6 +125,7 @@ impl ReliefPass {
     pub fn resize(&mut self, gpu: &Gpu, resident: &Resident, size: [u32; 2]) -> &ReliefTargets {
         let targets = self.targets.select(size, || ReliefTargets::new(gpu, size));
         self.exact.bind(gpu, targets);
+        self.search.bind(gpu, targets);
         self.ambient.bind(gpu, targets);
         self.shade.bind(gpu, targets, &resident.imagery);
         if let Some(polygons) = &mut self.polygons {
@@ -148,11 +156,12 @@ impl ReliefPass {
             sun,
             sample,
             mode,
+            search,
             band,
         } = *view;
         self.uniforms.write(
             gpu,
-            &FrameUniforms::new(resident, projection, (sun, &self.shade.sky), sample),
+            &FrameUniforms::new(resident, projection, (sun, &self.shade.sky), (sample, search)),
         );
         let mut context = PassContext {
             gpu,
@@ -176,6 +185,7 @@ impl ReliefPass {
                 let timestamps = timer.pass(pass_number::BUILDINGS);
                 drop(targets.begin_buildings_pass(context.encoder, band, timestamps));
             }
+            (ReliefMode::Search, _) => self.search.encode(&mut context),
             (ReliefMode::Exact, _) => {
                 if band.is_first() {
                     self.cone.encode(&mut context);

@@ -39,7 +39,25 @@ pub const EXACT: ShaderSource = ShaderSource {
         shader_file!("lib/building_map.wgsl"),
         shader_file!("lib/march.wgsl"),
         shader_file!("lib/building_texels.wgsl"),
+        shader_file!("lib/volume.wgsl"),
         shader_file!("relief/exact.wgsl"),
+    ],
+};
+
+/// Buildings by the patent's search.
+pub const SEARCH: ShaderSource = ShaderSource {
+    name: "relief/search.wgsl",
+    constants: CONSTANTS,
+    files: &[
+        shader_file!("lib/frame.wgsl"),
+        shader_file!("lib/tile_table.wgsl"),
+        shader_file!("lib/building_map.wgsl"),
+        shader_file!("lib/map_height.wgsl"),
+        shader_file!("lib/march.wgsl"),
+        shader_file!("lib/building_texels.wgsl"),
+        shader_file!("lib/volume.wgsl"),
+        shader_file!("lib/extrusion_search.wgsl"),
+        shader_file!("relief/search.wgsl"),
     ],
 };
 
@@ -92,4 +110,4 @@ pub const LIGHT: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the relief pass.
-pub const ALL: [ShaderSource; 6] = [GROUND, CONE, EXACT, POLYGONS, AMBIENT, LIGHT];
+pub const ALL: [ShaderSource; 7] = [GROUND, CONE, EXACT, SEARCH, POLYGONS, AMBIENT, LIGHT];

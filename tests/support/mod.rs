@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 use rilievo::camera::Camera;
 use rilievo::output::FrameRequest;
-use rilievo::relief::ReliefMode;
+use rilievo::relief::{ReliefMode, SearchParameters};
 use rilievo::space::{Pose, Sun};
 
 /// The program under test.
@@ -115,6 +115,7 @@ pub fn request<'a>(camera: &'a Camera, sun: &'a Sun, size: [u32; 2]) -> FrameReq
         sun,
         size,
         mode: ReliefMode::Exact,
+        search: SearchParameters::default(),
         flare: None,
         exposure: 1.0,
     }
