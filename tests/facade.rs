@@ -9,7 +9,7 @@ use gdal::vector::LayerAccess;
 use glam::DVec2;
 use rilievo::city::City;
 use rilievo::gpu::{Gpu, read_texture};
-use rilievo::material::FacadeStyle;
+use rilievo::material::{FacadeBand, FacadeStyle, paint_facade};
 use rilievo::output::Renderer;
 use rilievo::scene::TerrainMesh;
 use rilievo::space::Sun;
@@ -154,4 +154,83 @@ fn the_facade_coordinate_is_whole_bays_from_corner_to_corner() {
         "{walls}, {buildings}, {corners}"
     );
     assert!(wrong * 200 <= walls, "{wrong} of {walls} differ");
+}
+
+/// A facade far away has the mean colour of the same facade near by: its mips lose no light (linear light, every level of every tile).
+#[test]
+fn mips_keep_the_mean_colour() {
+    let linear = |code: u8| {
+        let value = f64::from(code) / 255.0;
+        if value <= 0.040_45 {
+            value / 12.92
+        } else {
+            ((value + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    for style in FacadeStyle::ALL {
+        for band in FacadeBand::ALL {
+            let canvas = paint_facade(style, band);
+            let exact = canvas.mean_albedo();
+            for level in canvas.levels() {
+                for channel in 0..3 {
+                    let sum: f64 = level.colour.iter().map(|texel| linear(texel[channel])).sum();
+                    let mean = sum / level.colour.len() as f64;
+                    // The last levels have few texels: half a code is then seen.
+                    let off = (mean - f64::from(exact[channel])).abs();
+                    assert!(
+                        off < 0.02 * f64::from(exact[channel]) + 0.001,
+                        "{style:?} {band:?}: {mean} {exact:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A wall seen from farther and farther away keeps its brightness, and a slow flight past it does not flicker: 60 frames, each two
+/// centimetres on.
+#[test]
+fn facades_do_not_shimmer() {
+    let city = City::open(&support::sample().join("city")).unwrap();
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    let (_, eye, target) = support::VIEWS[0];
+    let (eye, target) = (glam::DVec3::from_array(eye), glam::DVec3::from_array(target));
+    let side = (target - eye).cross(glam::DVec3::Z).normalize();
+    let size = [160, 90];
+    let mut frames: Vec<Vec<[u8; 4]>> = Vec::new();
+    let mut walls: Vec<bool> = Vec::new();
+    for k in 0..60 {
+        let moved = side * 0.02 * f64::from(k);
+        let camera = support::pinhole((eye + moved).to_array(), (target + moved).to_array(), 1.0);
+        let sun = Sun::from_azimuth_altitude(200.0, 40.0);
+        let still = renderer.still(&support::request(&camera, &sun, size), 8).unwrap();
+        frames.push(still.rgba.as_chunks::<4>().0.to_vec());
+        let surfaces = {
+            let targets = renderer.relief_targets().unwrap();
+            read_texture::<[u32; 4]>(&renderer.gpu, &targets.building_facade.texture).unwrap()
+        };
+        // Far walls, which stay where they are in the image.
+        let is_far = |index: usize| still.depth[index] > 60.0 && f32::from_bits(surfaces[index][0]) > 0.0;
+        let far: Vec<bool> = (0..surfaces.len()).map(is_far).collect();
+        walls = if k == 0 {
+            far
+        } else {
+            walls.iter().zip(far).map(|(a, b)| *a && b).collect()
+        };
+    }
+    let mut changes = Vec::new();
+    for pair in frames.windows(2) {
+        let both = pair[0]
+            .iter()
+            .zip(&pair[1])
+            .zip(&walls)
+            .filter(|(_, is_wall)| **is_wall);
+        changes.extend(both.map(|((a, b), _)| (f64::from(a[1]) - f64::from(b[1])).powi(2)));
+    }
+    let variance = changes.iter().sum::<f64>() / changes.len() as f64;
+    println!(
+        "{} far wall pixels, mean square change of a frame {variance:.2} (of 255²)",
+        walls.iter().filter(|w| **w).count()
+    );
+    assert!(changes.len() > 1000 && variance < 60.0, "{variance}");
 }

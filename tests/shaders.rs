@@ -7,6 +7,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, RayRecord};
 use rilievo::output::DebugFrame;
+use rilievo::relief::extrusion::ExtrusionFrame;
 use rilievo::relief::{Anchor, FrameUniforms, SearchParameters};
 use rilievo::scene::{GroundRecord, RoofRecord, TileRecord, VertexRecord};
 
@@ -14,7 +15,11 @@ fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
         .into_iter()
         .chain(rilievo::camera::SHADERS)
-        .chain([rilievo::output::DEBUG_VIEW, rilievo::viewer::SCREEN])
+        .chain([
+            rilievo::relief::extrusion::SHADER,
+            rilievo::output::DEBUG_VIEW,
+            rilievo::viewer::SCREEN,
+        ])
         .collect()
 }
 
@@ -173,6 +178,22 @@ fn records_are_laid_out_alike_on_both_sides() {
             "min_height" = min_height,
             "max_height" = max_height,
             "block_base" = block_base,
+            "padding_a" = padding_a,
+            "padding_b" = padding_b,
+            "padding_c" = padding_c,
+        ]
+    );
+    same_layout!(
+        "ExtrusionFrame",
+        ExtrusionFrame,
+        [
+            "clip_from_eye_relative" = clip_from_eye_relative,
+            "corner" = corner,
+            "height_m" = height_m,
+            "size_m" = size_m,
+            "facade_m" = facade_m,
+            "search" = search,
+            "method" = method,
             "padding_a" = padding_a,
             "padding_b" = padding_b,
             "padding_c" = padding_c,
@@ -340,6 +361,7 @@ fn bindings_are_what_the_layouts_say() {
             "relief/exact.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &ExactPass::INPUT],
             "relief/ambient.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &AmbientPass::INPUT],
             "relief/search.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &SearchPass::INPUT],
+            "relief/extrusion.wgsl" => vec![&rilievo::relief::extrusion::INPUT],
             "relief/light.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &LightPass::INPUT],
             "relief/polygons.wgsl" => vec![&ReliefPass::FRAME, &PolygonsPass::ANCHOR, &PolygonsPass::INPUT],
             "camera/accumulate.wgsl" => vec![&AccumulatePass::INPUT],

@@ -103,7 +103,7 @@ fn wall_material(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, di
     let palette = textureLoad(facade_palette, vec2<u32>(u32(random3(vec3<u32>(fid, 3u, 7u)).x * 4.0), style), 0).rgb;
     let shade = 0.88 + 0.24 * random3(vec3<u32>(fid, 5u, 7u)).y;
     var material: Material;
-    material.albedo = texel.colour.rgb * mix(vec3<f32>(1.0), palette * shade, texel.detail.z);
+    material.albedo = texel.colour.rgb * mix(vec3<f32>(1.0), palette * shade / WALL_GREY, texel.detail.z);
     let along = vec3<f32>(-normal.y, normal.x, 0.0);
     let slope = tile_slope(texel.detail);
     material.normal = normalize(normal - along * slope.x - vec3<f32>(0.0, 0.0, slope.y));

@@ -1,15 +1,6 @@
 // One frame's view and city. Host: src/relief/frame_uniforms.rs (a test compares the layouts).
 // Positions called `at` are eye-relative world: metres east, north and up of the eye.
 
-struct SearchParameters {
-    // Slices of the volume, halvings.
-    slices: u32,
-    refinements: u32,
-    // A surface that rises by more than this over the slice above it is steep, metres.
-    delta: f32,
-    padding: u32,
-}
-
 struct Frame {
     clip_from_eye_relative: mat4x4<f32>,
     // The ray through normalised device coordinates (x, y) is forward + x * across + y * upward.

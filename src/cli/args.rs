@@ -27,6 +27,8 @@ pub enum Command {
     Info(super::info::InfoArgs),
     /// Draw one view to a PNG.
     Render(super::render::RenderArgs),
+    /// Raise any textured rectangle out of its plane by a displacement map, or draw the figures of the patent that says how.
+    Relief(super::relief::ReliefArgs),
     /// Open a window and fly through a city.
     Fly(super::fly::FlyArgs),
     /// Lens prescriptions: first-order data, ghosts, exact rays, drawings.

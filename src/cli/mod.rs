@@ -26,6 +26,7 @@ mod lens_bake;
 mod lens_flags;
 mod lens_flare;
 mod lens_trace;
+mod relief;
 mod render;
 mod sample;
 mod search_flags;
@@ -107,6 +108,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Sample(args) => sample::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Relief(args) => relief::run(&args),
         Command::Fly(args) => fly::run(&args),
         Command::Lens(command) => lens::run(command),
         Command::Bench(args) => bench::run(&args),

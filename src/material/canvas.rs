@@ -106,6 +106,17 @@ impl Canvas {
         levels
     }
 
+    /// The tile as it looks on a wall of a colour (linear sRGB), 8-bit sRGB RGBA, rows from above.
+    pub fn rows_from_above(&self, wall: [f32; 3]) -> Vec<[u8; 4]> {
+        let colour = |texel: &Texel| {
+            let tinted = |k: usize| texel.albedo[k] * (1.0 + (wall[k] / WALL_GREY - 1.0) * texel.tint);
+            let [r, g, b] = [0, 1, 2].map(|k| srgb_byte(tinted(k)));
+            [r, g, b, 255]
+        };
+        let rows = self.texels.chunks_exact(TILE_SIZE[0]).rev();
+        rows.flatten().map(colour).collect()
+    }
+
     /// Mean reflectance, linear sRGB.
     pub fn mean_albedo(&self) -> [f32; 3] {
         let sum = |k: usize| self.texels.iter().map(|texel| texel.albedo[k]).sum::<f32>();
@@ -149,6 +160,9 @@ fn halved([width, height]: [usize; 2], texels: &[[f32; 8]]) -> ([usize; 2], Vec<
     (half, (0..half[0] * half[1]).map(mean).collect())
 }
 
+/// What a tile's wall is painted in: the building's colour multiplies it by as much more, so that lighter grains fit in a byte.
+pub const WALL_GREY: f32 = 0.65;
+
 /// The steepest slope of a tile's surface that is told apart.
 pub const MAX_SLOPE: f32 = 2.0;
 
@@ -166,7 +180,7 @@ impl Texel {
     /// Wall of the building's own colour, `grain` times as light.
     pub fn wall(grain: f32, height_m: f32) -> Self {
         Self {
-            albedo: [grain; 3],
+            albedo: [WALL_GREY * grain; 3],
             height_m,
             glass: 0.0,
             tint: 1.0,

@@ -3,7 +3,7 @@
 
 use super::FacadeStyle;
 use super::brickwork::{Courses, corrugated, courses, panels, render};
-use super::canvas::{Canvas, Rect, Texel};
+use super::canvas::{Canvas, Rect, Texel, WALL_GREY};
 use super::noise::hash;
 use super::openings::{Window, door, gate, shop_front, shutters, surround, window};
 
@@ -184,11 +184,7 @@ fn brick_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
             canvas.paint(bay.centred(1.4, 2.35, 2.62), |[x, _], under| {
                 let joint = (x / 0.075).fract() < 0.14;
                 let shade = if joint { 0.8 } else { 1.12 };
-                Texel {
-                    albedo: [shade; 3],
-                    height_m: 0.004,
-                    ..under
-                }
+                Texel::wall(shade, under.height_m + 0.004)
             });
             window(canvas, opening, sash);
         }
@@ -462,7 +458,7 @@ impl Texel {
     /// The same in the building's own colour, `grain` times as light.
     fn lightened(self, grain: f32) -> Self {
         Self {
-            albedo: [grain; 3],
+            albedo: [WALL_GREY * grain; 3],
             ..self
         }
     }

@@ -17,7 +17,7 @@ mod roof_painter;
 mod textures;
 
 pub use building_material::BuildingMaterial;
-pub use canvas::{Canvas, MAX_SLOPE, TILE_SIZE};
+pub use canvas::{Canvas, MAX_SLOPE, TILE_SIZE, WALL_GREY};
 pub use facade_painter::{FacadeBand, paint_facade};
 pub use facade_rules::{FacadeRules, RulesError};
 pub use facade_style::{FacadeStyle, RoofStyle};

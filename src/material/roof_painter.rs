@@ -2,7 +2,7 @@
 
 use super::RoofStyle;
 use super::brickwork::{Courses, courses};
-use super::canvas::{Canvas, Texel};
+use super::canvas::{Canvas, Texel, WALL_GREY};
 use super::noise::{hash, value_noise};
 
 /// Length and height of a roof's tile, metres: u runs along the building.
@@ -23,7 +23,7 @@ pub fn paint_roof(style: RoofStyle) -> Canvas {
         joint: 0.55,
     };
     let colour = |texel: Texel, albedo: [f32; 3]| Texel {
-        albedo: std::array::from_fn(|k| texel.albedo[k] * albedo[k]),
+        albedo: std::array::from_fn(|k| texel.albedo[k] / WALL_GREY * albedo[k]),
         tint: 0.0,
         ..texel
     };

@@ -3,7 +3,7 @@
 use super::search_pass::SEARCH_BAY_M;
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
-use crate::material::{FACADE_LAYERS, FacadeBand, MAX_SLOPE, ROOF_M, TILE_SIZE};
+use crate::material::{FACADE_LAYERS, FacadeBand, MAX_SLOPE, ROOF_M, TILE_SIZE, WALL_GREY};
 use crate::scene::{POOL_QUADS, POOL_WORDS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
 use crate::space::atmosphere::MIE_G;
 use crate::terrain::GroundBounds;
@@ -47,6 +47,7 @@ pub const CONSTANTS: &[Constant] = &[
         "TILE_SIZE",
         ConstantValue::Float2([TILE_SIZE[0] as f32, TILE_SIZE[1] as f32]),
     ),
+    ("WALL_GREY", ConstantValue::Float(WALL_GREY)),
     ("MAX_SLOPE", ConstantValue::Float(MAX_SLOPE)),
     ("SEARCH_BAY_M", ConstantValue::Float(SEARCH_BAY_M)),
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),

@@ -14,6 +14,7 @@ mod cone_pass;
 mod constants;
 mod context;
 mod exact_pass;
+pub mod extrusion;
 mod frame_uniforms;
 mod grid_position;
 mod ground_march;

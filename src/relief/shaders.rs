@@ -8,6 +8,7 @@ pub const GROUND: ShaderSource = ShaderSource {
     name: "relief/ground.wgsl",
     constants: CONSTANTS,
     files: &[
+        shader_file!("lib/search_parameters.wgsl"),
         shader_file!("lib/frame.wgsl"),
         shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
@@ -21,6 +22,7 @@ pub const CONE: ShaderSource = ShaderSource {
     name: "relief/cone.wgsl",
     constants: CONSTANTS,
     files: &[
+        shader_file!("lib/search_parameters.wgsl"),
         shader_file!("lib/frame.wgsl"),
         shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
@@ -34,6 +36,7 @@ pub const EXACT: ShaderSource = ShaderSource {
     name: "relief/exact.wgsl",
     constants: CONSTANTS,
     files: &[
+        shader_file!("lib/search_parameters.wgsl"),
         shader_file!("lib/frame.wgsl"),
         shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
@@ -49,6 +52,7 @@ pub const SEARCH: ShaderSource = ShaderSource {
     name: "relief/search.wgsl",
     constants: CONSTANTS,
     files: &[
+        shader_file!("lib/search_parameters.wgsl"),
         shader_file!("lib/frame.wgsl"),
         shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
@@ -66,6 +70,7 @@ pub const POLYGONS: ShaderSource = ShaderSource {
     name: "relief/polygons.wgsl",
     constants: CONSTANTS,
     files: &[
+        shader_file!("lib/search_parameters.wgsl"),
         shader_file!("lib/frame.wgsl"),
         shader_file!("lib/building_texels.wgsl"),
         shader_file!("relief/polygons.wgsl"),
@@ -77,6 +82,7 @@ pub const AMBIENT: ShaderSource = ShaderSource {
     name: "relief/ambient.wgsl",
     constants: CONSTANTS,
     files: &[
+        shader_file!("lib/search_parameters.wgsl"),
         shader_file!("lib/frame.wgsl"),
         shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
@@ -94,6 +100,7 @@ pub const LIGHT: ShaderSource = ShaderSource {
     name: "relief/light.wgsl",
     constants: CONSTANTS,
     files: &[
+        shader_file!("lib/search_parameters.wgsl"),
         shader_file!("lib/frame.wgsl"),
         shader_file!("lib/tile_table.wgsl"),
         shader_file!("lib/building_map.wgsl"),
