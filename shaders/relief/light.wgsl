@@ -138,7 +138,7 @@ const LAND: vec3<f32> = vec3<f32>(0.22, 0.225, 0.12);
 fn beyond(direction: vec3<f32>) -> vec3<f32> {
     if direction.z >= 0.0 || frame.min_ground >= 0.0 { return sky_colour(direction) + sun_disc(direction); }
     let up = vec3<f32>(0.0, 0.0, 1.0);
-    let land = select(PAPER, LAND, frame.imagery_side > 0.0);
+    let land = select(PAPER, LAND, frame.wall_light.w > 0.0);
     let light = sky_irradiance(up) + frame.sun_irradiance.xyz * max(frame.sun.z, 0.0);
     return through_haze(land / PI * light, direction, frame.min_ground / direction.z);
 }
@@ -171,8 +171,10 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
             let plan = fract((frame.eye_in_tile + at.xy) / frame.tile_m) * frame.tile_m;
             material = roof_material(facade.w, id, plan, direction, pixel_m);
             let seen = imagery_at(at.xy, t, abs(direction.z));
-            material.albedo = mix(material.albedo, seen.rgb, seen.a);
-            material.normal = mix(material.normal, normal, seen.a);
+            // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).
+            let shows_roof = smoothstep(0.92, 0.98, seen.a);
+            material.albedo = mix(material.albedo, seen.rgb, shows_roof);
+            material.normal = mix(material.normal, normal, shows_roof);
         } else {
             let above_base = at.z - place.y;
             below_roof = place.z - above_base;
@@ -182,7 +184,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     } else {
         normal = unpack_normal(textureLoad(ground_normal, pixel, 0).x);
         let seen = imagery_at(at.xy, t, abs(dot(direction, normal)));
-        let albedo = mix(bare_ground(at.z + frame.eye_elevation, normal, direction, pixel_m), seen.rgb, seen.a);
+        let albedo = mix(bare_ground(at.z + frame.eye_elevation, normal, direction, pixel_m), seen.rgb, min(seen.a / 0.87, 1.0));
         material = Material(albedo, normal, 0.0, 0.0);
     }
     let random = sample_numbers(pixel, frame.sample);

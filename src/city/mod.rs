@@ -20,7 +20,7 @@ mod writer;
 pub use codec::TerrainTile;
 pub use error::CityError;
 pub use imagery_tile::ImageryTile;
-pub use import::{ImportOptions, ImportReport, ImportWarning, Setting, import};
+pub use import::{ImportOptions, ImportReport, ImportWarning, PlanFiles, Setting, import};
 pub use layer::Layer;
 pub use manifest::{Manifest, OperationRecord, SourceRecord};
 pub use raised_footprints::{RaisedFootprints, building_map, buildings_by_tile, raise_footprints};

@@ -103,6 +103,8 @@ fn for_source(error: &SourceError) -> Option<String> {
         SourceRole::Terrain => "--terrain-crs",
         SourceRole::Footprints => "--buildings-crs",
         SourceRole::Imagery => "--photo-crs",
+        // Such files have no flag: the city's CRS is taken for those that name none.
+        SourceRole::Plan => "--crs",
     };
     Some(match error {
         SourceError::NoCrs { role, .. } => format!("name it with {} EPSG:n", crs_flag(*role)),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{CommandError, import_report};
-use crate::city::{ImportOptions, import};
+use crate::city::{ImportOptions, PlanFiles, import};
 use crate::source::{HeightRule, silence_gdal};
 
 /// Flags of `import`.
@@ -37,6 +37,18 @@ pub struct ImportArgs {
     /// Orthophotos (any format GDAL reads); later ones lie on top.
     #[arg(long = "photo", num_args = 1..)]
     imagery: Vec<PathBuf>,
+    /// Streets and paths (any vector format; of an OpenStreetMap file the highways), drawn on the ground where no orthophoto is.
+    #[arg(long, num_args = 1..)]
+    roads: Vec<PathBuf>,
+    /// Railways, likewise.
+    #[arg(long, num_args = 1..)]
+    rails: Vec<PathBuf>,
+    /// Rivers, lakes and the sea, likewise.
+    #[arg(long, num_args = 1..)]
+    water: Vec<PathBuf>,
+    /// Parks, woods and fields, likewise.
+    #[arg(long, num_args = 1..)]
+    green: Vec<PathBuf>,
     /// The city's CRS, projected in metres [default: the terrain's, or the UTM zone of the place].
     #[arg(long)]
     crs: Option<String>,
@@ -107,6 +119,12 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         fill_m: args.fill,
         margin_m: args.margin,
         texel_m: args.texel,
+        plan: PlanFiles {
+            roads: args.roads,
+            rails: args.rails,
+            water: args.water,
+            green: args.green,
+        },
         facades: args.facades,
         out: args.out,
     };

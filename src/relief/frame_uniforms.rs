@@ -67,7 +67,7 @@ impl FrameUniforms {
             sun_irradiance: vector(sun.irradiance, 0.0),
             search,
             sky_light: sky.coefficients(),
-            wall_light: vector(sky.wall_light(), 0.0),
+            wall_light: vector(sky.wall_light(), f64::from(u8::from(resident.has_orthophotos))),
             eye_in_tile: eye.in_tile.to_array(),
             eye_elevation: eye.elevation,
             tile_m: grid.tile_m as f32,

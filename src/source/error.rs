@@ -17,6 +17,8 @@ pub enum SourceRole {
     Footprints,
     /// Orthophotos.
     Imagery,
+    /// Roads, rails, water, green.
+    Plan,
 }
 
 /// A source file was refused.

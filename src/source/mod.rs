@@ -22,5 +22,5 @@ pub use raster::{Dtm, DtmSampler, ImageryMosaic, SampleLattice, SteppedHeights};
 pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FieldCount, FootprintDataset, FootprintDatasetEditor, FootprintDatasetWriter,
-    FootprintReport, FootprintSource, Outline, Selection, clean_outline,
+    FootprintReport, FootprintSource, Outline, PlanFeature, PlanKind, Selection, clean_outline, read_plan,
 };

@@ -3,7 +3,7 @@
 //! ```text
 //! footprints ──────────────┐
 //! DTM ─▶ terrain ─▶ ground ─▶ footprint dataset (bases, roofs) ─▶ tiles ─▶ manifest
-//! orthophotos ─────────────────────────────────────────────────────┴▶ levels (each from the one below)
+//! orthophotos, roads, water, green (ground_plan) ───────────────────┴▶ levels (each from the one below)
 //! ```
 //! The footprint source is read twice: for outlines and heights, and, when the ground has told which of them are
 //! buildings, for their attributes, which are never held in memory.
@@ -12,6 +12,7 @@
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
 mod dataset_of_record;
+mod ground_plan;
 mod levels;
 mod options;
 mod plan;
@@ -23,6 +24,7 @@ mod terrain;
 mod tiles;
 
 use dataset_of_record::make_footprint_dataset;
+use ground_plan::GroundPlan;
 use levels::{LevelParameters, make_levels};
 use options::{cache_key, check_numbers, refuse_inputs_inside};
 use plan::{Plan, rejected};
@@ -32,6 +34,7 @@ use terrain::make_terrain;
 use tiles::make_tiles;
 use warnings::source_warnings;
 
+pub use ground_plan::PlanFiles;
 pub use options::{ImportOptions, Setting};
 pub use warnings::ImportWarning;
 
@@ -125,7 +128,8 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             rejected: rejected(&report),
         });
     }
-    let tiles = make_tiles(&sources, &plan, &buildings, &writer)?;
+    let ground_plan = GroundPlan::read(&options.plan, &sources.crs, plan.grid)?;
+    let tiles = make_tiles((&sources, ground_plan.as_ref()), &plan, &buildings, &writer)?;
     let texel_m = plan.grid.tile_m / TILE_TEXELS as f64;
     let levels = LevelParameters {
         tile_texels: TILE_TEXELS,

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::ground_plan::PlanFiles;
 use crate::city::{CityError, Layer, SourceRecord};
 use crate::source::HeightRule;
+use crate::source::PlanKind;
 
 /// What `rilievo import` was asked.
 #[derive(Clone, Debug)]
@@ -42,6 +44,8 @@ pub struct ImportOptions {
     pub margin_m: f64,
     /// Side of a building-map texel, metres.
     pub texel_m: f64,
+    /// What is drawn on the ground where no orthophoto is.
+    pub plan: PlanFiles,
     /// Rules for facades; without it those of the city that is replaced, or the project's own.
     pub facades: Option<PathBuf>,
     /// The city folder to make.
@@ -57,7 +61,8 @@ pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
         .terrain
         .iter()
         .chain([&options.buildings])
-        .chain(&options.imagery);
+        .chain(&options.imagery)
+        .chain(options.plan.all().map(|(_, file)| file));
     for input in inputs {
         if std::fs::canonicalize(input).is_ok_and(|input| input.starts_with(&out)) {
             return Err(CityError::InputInside { path: input.clone() });
@@ -147,6 +152,10 @@ pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityE
         (Layer::Terrain.name(), options.terrain.as_slice()),
         (Layer::Buildings.name(), std::slice::from_ref(&options.buildings)),
         (Layer::Imagery.name(), options.imagery.as_slice()),
+        (PlanKind::Road.names(), options.plan.roads.as_slice()),
+        (PlanKind::Rail.names(), options.plan.rails.as_slice()),
+        (PlanKind::Water.names(), options.plan.water.as_slice()),
+        (PlanKind::Green.names(), options.plan.green.as_slice()),
     ];
     for (role, path) in roles
         .iter()

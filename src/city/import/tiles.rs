@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::TILE_TEXELS;
+use super::ground_plan::{GroundPlan, PLAN_PIXEL_M};
 use super::plan::Plan;
 use super::progress::progress;
 use super::sources::Sources;
@@ -34,7 +35,7 @@ pub struct TileTotals {
 
 /// Makes every tile that has buildings or imagery; the others have ground only and are whole already.
 pub fn make_tiles(
-    sources: &Sources,
+    (sources, ground_plan): (&Sources, Option<&GroundPlan>),
     plan: &Plan,
     buildings: &[Building],
     writer: &TileWriter<'_>,
@@ -44,7 +45,15 @@ pub fn make_tiles(
         .imagery
         .as_ref()
         .map(|mosaic| TileImagery::new(mosaic, &sources.crs, plan.grid));
-    let has_imagery = |id: TileId| imagery.as_ref().is_some_and(|imagery| imagery.meets(id));
+    let has_imagery = |id: TileId| {
+        imagery.as_ref().is_some_and(|imagery| imagery.meets(id))
+            || ground_plan.is_some_and(|drawn| drawn.meets(id))
+    };
+    let imagery_side = match (&imagery, ground_plan) {
+        (Some(imagery), _) => imagery.side,
+        (None, Some(_)) => side_for(&plan.grid, PLAN_PIXEL_M),
+        (None, None) => 0,
+    };
     let tiles: Vec<TileId> = plan
         .grid
         .tiles()
@@ -63,13 +72,16 @@ pub fn make_tiles(
                     }
                 })
             });
-            let imagery = imagery.as_ref().map(|imagery| imagery.tile(id, writer));
-            let tile = Tile::new(
-                id,
-                writer.terrain(id),
-                map.transpose()?.flatten(),
-                imagery.transpose()?.flatten(),
-            );
+            let orthophoto = imagery
+                .as_ref()
+                .map(|imagery| imagery.tile(id, writer))
+                .transpose()?
+                .flatten();
+            let image = match ground_plan {
+                Some(drawn) => drawn.under(id, imagery_side, orthophoto),
+                None => orthophoto,
+            };
+            let tile = Tile::new(id, writer.terrain(id), map.transpose()?.flatten(), image);
             if let Some(buildings) = &tile.buildings {
                 let bytes = MapTile::bytes_of(&buildings.map);
                 totals[0].fetch_add(1, Ordering::Relaxed);
@@ -87,8 +99,17 @@ pub fn make_tiles(
         buildings,
         building_map_bytes,
         imagery: imagery_tiles,
-        imagery_side: imagery.map_or(0, |imagery| imagery.side),
+        imagery_side,
     })
+}
+
+/// Pixels along a tile's side for pixels of a size, metres.
+fn side_for(grid: &TileGrid, pixel_m: f64) -> usize {
+    let mut side = 64;
+    while side < MAX_IMAGERY_PIXELS && grid.tile_m / side as f64 > 1.01 * pixel_m {
+        side *= 2;
+    }
+    side
 }
 
 /// The imagery mosaic, cut into tiles.
@@ -103,15 +124,11 @@ struct TileImagery<'a> {
 impl<'a> TileImagery<'a> {
     /// With as many pixels along a tile's side as the finest source needs.
     fn new(mosaic: &'a ImageryMosaic, crs: &'a Crs, grid: TileGrid) -> Self {
-        let mut side = 64;
-        while side < MAX_IMAGERY_PIXELS && grid.tile_m / side as f64 > 1.01 * mosaic.finest_pixel_m() {
-            side *= 2;
-        }
         Self {
             mosaic,
             crs,
             grid,
-            side,
+            side: side_for(&grid, mosaic.finest_pixel_m()),
         }
     }
 

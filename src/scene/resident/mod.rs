@@ -87,6 +87,8 @@ pub struct Resident {
     pub maps: MapPool,
     /// Imagery.
     pub imagery: ImageryPool,
+    /// Whether there are orthophotos in it.
+    pub has_orthophotos: bool,
     /// Side of a texel of level 0, metres.
     pub texel_m: f64,
     /// Texels along a tile's side.
@@ -168,6 +170,10 @@ impl Resident {
             terrain: TerrainPool::new(gpu, options.mesh, manifest.terrain_side as u32)?,
             maps: MapPool::new(gpu)?,
             imagery: ImageryPool::new(gpu, manifest.imagery_side as u32)?,
+            has_orthophotos: manifest
+                .sources
+                .iter()
+                .any(|source| source.role == Layer::Imagery.name()),
             texel_m: manifest.texel_m,
             tile_texels: manifest.tile_texels as u32,
             terrain_step_m: manifest.terrain_step_m,

@@ -243,7 +243,7 @@ fn may_hold_areas(defn: &Defn) -> bool {
     )
 }
 
-fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
+pub(super) fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
     let zipped = path.extension().is_some_and(|extension| extension == "zip");
     let name = if zipped {
         super::cityjson::in_zip(path)

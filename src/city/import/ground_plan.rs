@@ -1,0 +1,182 @@
+//! The ground drawn as a plan where there is no orthophoto: roads, rails, water and green, in the imagery tiles.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use resvg::tiny_skia::{FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
+
+use crate::city::{CityError, ImageryTile};
+use crate::source::{PlanFeature, PlanKind, read_plan};
+use crate::space::{Bounds, Crs, TileGrid, TileId};
+
+/// Size of a plan's pixel, metres, where no orthophoto asks for another.
+pub const PLAN_PIXEL_M: f64 = 0.5;
+
+/// Opacity of what is drawn: less than an orthophoto's, so that roofs, which an orthophoto shows as well, do not take it
+/// (`shaders/relief/light.wgsl`).
+const OPACITY: u8 = 224;
+
+/// Files to draw.
+#[derive(Clone, Debug, Default)]
+pub struct PlanFiles {
+    /// Streets and paths.
+    pub roads: Vec<PathBuf>,
+    /// Railways.
+    pub rails: Vec<PathBuf>,
+    /// Rivers and lakes.
+    pub water: Vec<PathBuf>,
+    /// Parks and woods.
+    pub green: Vec<PathBuf>,
+}
+
+impl PlanFiles {
+    /// All of them, in the order in which they are drawn.
+    pub fn all(&self) -> impl Iterator<Item = (PlanKind, &PathBuf)> {
+        let kinds = [
+            (PlanKind::Green, &self.green),
+            (PlanKind::Water, &self.water),
+            (PlanKind::Rail, &self.rails),
+            (PlanKind::Road, &self.roads),
+        ];
+        kinds
+            .into_iter()
+            .flat_map(|(kind, files)| files.iter().map(move |file| (kind, file)))
+    }
+}
+
+/// Features by the tiles that they meet.
+pub struct GroundPlan {
+    features: Vec<PlanFeature>,
+    by_tile: BTreeMap<TileId, Vec<usize>>,
+    grid: TileGrid,
+}
+
+impl GroundPlan {
+    /// Reads the files; none without any.
+    ///
+    /// # Errors
+    /// When one cannot be read.
+    pub fn read(files: &PlanFiles, city: &Crs, grid: TileGrid) -> Result<Option<Self>, CityError> {
+        let mut features: Vec<PlanFeature> = Vec::new();
+        for (kind, file) in files.all() {
+            features.extend(read_plan(file, kind, city)?);
+        }
+        if features.is_empty() {
+            return Ok(None);
+        }
+        // Wide roads over narrow ones.
+        features.sort_by(|a, b| {
+            let width = |feature: &PlanFeature| feature.width_m.unwrap_or(0.0);
+            a.kind.cmp(&b.kind).then(width(a).total_cmp(&width(b)))
+        });
+        let mut by_tile: BTreeMap<TileId, Vec<usize>> = BTreeMap::new();
+        for (index, feature) in features.iter().enumerate() {
+            for tile in grid.tiles_meeting(&feature.bounds()) {
+                by_tile.entry(tile).or_default().push(index);
+            }
+        }
+        Ok(Some(Self {
+            features,
+            by_tile,
+            grid,
+        }))
+    }
+
+    /// Whether something is drawn on a tile.
+    pub fn meets(&self, id: TileId) -> bool {
+        self.by_tile.contains_key(&id)
+    }
+
+    /// Draws a tile of `side` pixels under its orthophoto, if it has one.
+    pub fn under(&self, id: TileId, side: usize, orthophoto: Option<ImageryTile>) -> Option<ImageryTile> {
+        let Some(features) = self.by_tile.get(&id) else {
+            return orthophoto;
+        };
+        let bounds = self.grid.tile_bounds(id);
+        let mut pixels = Pixmap::new(side as u32, side as u32)?;
+        for &index in features {
+            draw(&mut pixels, &self.features[index], &bounds);
+        }
+        let mut rgba: Vec<u8> = Vec::with_capacity(4 * side * side);
+        for pixel in pixels.pixels() {
+            let colour = pixel.demultiply();
+            let alpha = u32::from(colour.alpha()) * u32::from(OPACITY) / 255;
+            rgba.extend([colour.red(), colour.green(), colour.blue(), alpha as u8]);
+        }
+        if let Some(orthophoto) = orthophoto {
+            for (under, over) in rgba.chunks_exact_mut(4).zip(orthophoto.rgba.chunks_exact(4)) {
+                if over[3] > 0 {
+                    under.copy_from_slice(over);
+                }
+            }
+        }
+        Some(ImageryTile { side, rgba })
+    }
+}
+
+fn draw(pixels: &mut Pixmap, feature: &PlanFeature, bounds: &Bounds) {
+    let scale = f64::from(pixels.width()) / bounds.width();
+    let mut builder = PathBuilder::new();
+    for part in &feature.parts {
+        for (index, point) in part.iter().enumerate() {
+            let [x, y] =
+                [(point.x - bounds.west) * scale, (bounds.north - point.y) * scale].map(|value| value as f32);
+            if index == 0 {
+                builder.move_to(x, y);
+            } else {
+                builder.line_to(x, y);
+            }
+        }
+        if feature.width_m.is_none() {
+            builder.close();
+        }
+    }
+    let Some(path) = builder.finish() else { return };
+    let Some(width_m) = feature.width_m else {
+        let paint = paint_of(area_colour(feature.kind));
+        pixels.fill_path(&path, &paint, FillRule::EvenOdd, Transform::identity(), None);
+        return;
+    };
+    let width = width_m * scale;
+    match feature.kind {
+        PlanKind::Road if width_m >= 5.0 => {
+            // Pavements at both sides, and a line along wide ones.
+            stroke(pixels, &path, width, [0x9d, 0x9a, 0x93]);
+            stroke(pixels, &path, 0.68 * width, [0x70, 0x70, 0x72]);
+            if width_m >= 8.0 {
+                stroke(pixels, &path, (0.18 * scale).max(0.4), [0xc4, 0xc2, 0xba]);
+            }
+        }
+        PlanKind::Road => stroke(pixels, &path, width, [0x93, 0x8c, 0x80]),
+        PlanKind::Rail => {
+            stroke(pixels, &path, width, [0x7a, 0x72, 0x68]);
+            stroke(pixels, &path, 0.45 * width, [0x5c, 0x58, 0x54]);
+        }
+        PlanKind::Water | PlanKind::Green => stroke(pixels, &path, width, area_colour(feature.kind)),
+    }
+}
+
+fn area_colour(kind: PlanKind) -> [u8; 3] {
+    match kind {
+        PlanKind::Green => [0x86, 0x94, 0x66],
+        PlanKind::Water => [0x5b, 0x7f, 0x95],
+        PlanKind::Rail => [0x7a, 0x72, 0x68],
+        PlanKind::Road => [0x9d, 0x9a, 0x93],
+    }
+}
+
+fn paint_of([r, g, b]: [u8; 3]) -> Paint<'static> {
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(r, g, b, 255);
+    paint
+}
+
+fn stroke(pixels: &mut Pixmap, path: &Path, width: f64, colour: [u8; 3]) {
+    let stroke = Stroke {
+        width: width as f32,
+        line_cap: LineCap::Round,
+        line_join: LineJoin::Round,
+        ..Stroke::default()
+    };
+    pixels.stroke_path(path, &paint_of(colour), &stroke, Transform::identity(), None);
+}
