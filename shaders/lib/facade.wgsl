@@ -50,12 +50,13 @@ const PIER: f32 = 0.12;
 // Bays a metre of a column far away.
 const FAR_BAYS_PER_M: f32 = 0.33;
 
-// A tile, its colour in w x y z = r g b glass and its detail; `footprint`: width and height of a pixel on the surface, in tiles.
+// A tile at a place: its colour and glass; its slopes and tint.
 struct TileTexel {
     colour: vec4<f32>,
     detail: vec4<f32>,
 }
 
+// `footprint`: width and height of a pixel on the surface, in tiles.
 fn tile_texel(layer: u32, uv: vec2<f32>, footprint: vec2<f32>) -> TileTexel {
     let texels = max(footprint * TILE_SIZE, vec2<f32>(1.0e-6));
     let wide = max(texels.x, texels.y);

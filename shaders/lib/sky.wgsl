@@ -41,6 +41,11 @@ fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
     return NIGHT_SKY + even + haze * mie_phase(dot(direction, frame.sun.xyz));
 }
 
+// A direction, or the horizon under it; of one straight down any.
+fn above_horizon(direction: vec3<f32>) -> vec3<f32> {
+    return normalize(vec3<f32>(direction.x + 1.0e-6, direction.y, max(direction.z, 0.0)));
+}
+
 // The sun's disc, seen directly: its irradiance spread over its solid angle.
 fn sun_disc(direction: vec3<f32>) -> vec3<f32> {
     let radius = frame.sun.w;
@@ -74,6 +79,5 @@ fn air_depth(direction: vec3<f32>, t: f32) -> f32 {
 
 // What is seen of a radiance at t through the air before it, which has the colour of the sky at the horizon.
 fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
-    let flat = normalize(vec3<f32>(direction.xy, max(direction.z, 0.0)));
-    return mix(sky_colour(flat), colour, exp(-AIR_PER_M * air_depth(direction, t)));
+    return mix(sky_colour(above_horizon(direction)), colour, exp(-AIR_PER_M * air_depth(direction, t)));
 }

@@ -31,8 +31,8 @@ const MEETS_GROUND: u32 = 0u;
 const MEETS_WALL: u32 = 1u;
 const MEETS_SKY: u32 = 2u;
 
-// A normal that no surface has: the pixel shows none.
-const NO_SURFACE: u32 = 0xffffffffu;
+// A packed normal that no surface has (packing gives no -32768): the pixel shows none.
+const NO_SURFACE: u32 = 0x80008000u;
 
 // The pixel whose ray a pixel of the ambient pass casts: one of its four, by the sample, so that many samples cast all.
 fn sampled_pixel(place: vec2<i32>) -> vec2<i32> {

@@ -26,7 +26,7 @@ struct ExtrusionFrame {
 @group(0) @binding(3) var facade: texture_2d<f32>;
 @group(0) @binding(4) var tiling: sampler;
 
-// Methods: the texture alone; sunk below the plane, the way of before the patent; raised over it; raised with a facade on steep slopes.
+// Methods: the texture alone; sunk below the plane, as before the patent; raised over it; raised with a facade on steep slopes.
 const FLAT: u32 = 0u;
 const SUNKEN: u32 = 1u;
 const FACADES: u32 = 3u;

@@ -115,14 +115,14 @@ struct Mirrored {
 }
 
 fn mirrored(direction: vec3<f32>, normal: vec3<f32>, below_roof: f32, in_sun: bool) -> Mirrored {
-    let facing = max(-dot(direction, normal), 0.0);
+    let facing = clamp(-dot(direction, normal), 0.0, 1.0);
     let reflectance = GLASS_REFLECTANCE + (1.0 - GLASS_REFLECTANCE) * pow(1.0 - facing, 5.0);
     let reflected = reflect(direction, normal);
     // Sky over the houses opposite, their walls below it.
     let edge = max(below_roof, 0.0) / STREET_M;
     let sky_part = smoothstep(edge - 0.08, edge + 0.08, reflected.z / max(length(reflected.xy), 1.0e-3));
     let wall = frame.wall_light.rgb / PI;
-    var radiance = mix(wall, sky_colour(normalize(vec3<f32>(reflected.xy, max(reflected.z, 0.0)))), sky_part);
+    var radiance = mix(wall, sky_colour(above_horizon(reflected)), sky_part);
     if in_sun {
         let half_way = normalize(frame.sun.xyz - direction);
         let gloss = (GLASS_GLOSS + 2.0) / (8.0 * PI) * pow(max(dot(normal, half_way), 0.0), GLASS_GLOSS);
@@ -167,8 +167,8 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let facade = textureLoad(relief_facade, pixel, 0);
         let place = bitcast<vec3<f32>>(facade.xyz);
         if normal.z > 0.5 {
-            // Counted from the eye's tile, so that it stays where it is.
-            let plan = fract((frame.eye_in_tile + at.xy) / frame.tile_m) * frame.tile_m;
+            // Counted from the city's corner, so that it stays where it is and runs on over the tiles.
+            let plan = vec2<f32>(frame.eye_tile) * frame.tile_m + frame.eye_in_tile + at.xy;
             material = roof_material(facade.w, id, plan, direction, pixel_m);
             let seen = imagery_at(at.xy, t, abs(direction.z));
             // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).

@@ -52,7 +52,7 @@ pub fn coarser(children: [Option<&BuildingMap>; 4]) -> Result<Option<BuildingMap
 ///
 /// # Errors
 /// When it has more words than a code can count.
-pub fn coarser_again(
+pub fn coarser_updated(
     before: &BuildingMap,
     changed: [Option<Option<&BuildingMap>>; 4],
     ranges: [Option<[f32; 2]>; 4],
@@ -62,8 +62,8 @@ pub fn coarser_again(
     }
     let fresh = (0..4).zip(changed);
     let fresh = fresh.filter_map(|(quadrant, child)| Some(Patch::from_child(child??, quadrant)));
-    let kept = Patch::from_parent(before, changed.map(|child| child.is_none()));
-    let patches: Vec<Patch> = fresh.chain([kept]).collect();
+    let unchanged = Patch::from_parent(before, changed.map(|child| child.is_none()));
+    let patches: Vec<Patch> = fresh.chain([unchanged]).collect();
     assembled(
         (before.side, before.texel_m),
         &patches,

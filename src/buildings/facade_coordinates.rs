@@ -17,7 +17,15 @@ pub fn facade_coordinates(ring: &LineString<f64>, bay_m: f64) -> Vec<f64> {
         return vec![0.0; ring.0.len()];
     }
     let is_corner = |vertex: usize| {
-        let (before, after) = ((vertex + count - 1) % count, vertex % count);
+        // Edges without length have no direction.
+        let has_length = |edge: &usize| lengths[*edge] > 0.0;
+        let before = (1..=count)
+            .map(|back| (vertex + count - back) % count)
+            .find(has_length);
+        let after = (0..count).map(|on| (vertex + on) % count).find(has_length);
+        let (Some(before), Some(after)) = (before, after) else {
+            return false;
+        };
         let dot = edges[before].dx() * edges[after].dx() + edges[before].dy() * edges[after].dy();
         dot < CORNER_COSINE * lengths[before] * lengths[after]
     };
@@ -42,7 +50,8 @@ pub fn facade_coordinates(ring: &LineString<f64>, bay_m: f64) -> Vec<f64> {
     let last_corner = (0..count).rev().find(|&vertex| is_corner(vertex)).unwrap_or(0);
     let mut along = match is_corner(0) {
         true => 0.0,
-        false => bays[last_corner..].iter().sum::<f64>() * f64::from(u8::from(last_corner > 0)),
+        false if last_corner == 0 => 0.0,
+        false => bays[last_corner..].iter().sum(),
     };
     let mut coordinates = vec![along];
     for edge in &bays {

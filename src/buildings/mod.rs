@@ -14,7 +14,7 @@ mod sound;
 
 pub use building::{Building, NoGround, base_of, triangle_bytes};
 pub use cell::{CELL, CellFields, CellKind, Full, Run};
-pub use coarser::{coarser, coarser_again};
+pub use coarser::{coarser, coarser_updated};
 pub use device_map::DeviceMap;
 pub use facade_coordinates::facade_coordinates;
 pub use map::{BLOCK, Block, BuildingMap, OutlineVertex, RoofRecord, TEXEL_MAIN};

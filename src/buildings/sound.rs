@@ -3,6 +3,7 @@
 use super::BuildingMap;
 use super::cell::CellKind;
 use super::map::{TEXEL_EMPTY, TEXEL_MAIN, TEXEL_OWN, TEXELS};
+use crate::material::BuildingMaterial;
 
 /// Farther from sea level than any ground or roof that an import lets in, metres.
 const MAX_ELEVATION_M: f32 = 100_000.0;
@@ -19,16 +20,22 @@ impl BuildingMap {
             && self
                 .vertices
                 .iter()
-                .all(|vertex| (vertex.building as usize) < self.roofs.len())
+                .all(|vertex| (vertex.building as usize) < self.roofs.len() && vertex.bays.is_finite())
+            && self
+                .roofs
+                .iter()
+                .all(|roof| BuildingMaterial::is_code(roof.material))
             && self
                 .roofs
                 .iter()
                 .all(|roof| roof.roof_m.abs() < MAX_ELEVATION_M && roof.base_m.abs() < MAX_ELEVATION_M)
-            && self
-                .height_range
-                .iter()
-                .all(|height| height.abs() < MAX_ELEVATION_M)
+            && Self::is_sound_range(self.height_range)
             && (self.roofs.iter()).all(|roof| roof.roof_m <= self.height_range[1])
+    }
+
+    /// Whether a lowest ground and a highest roof are of this planet.
+    pub fn is_sound_range([lowest, highest]: [f32; 2]) -> bool {
+        lowest.abs() < MAX_ELEVATION_M && highest.abs() < MAX_ELEVATION_M
     }
 
     /// The entries follow one another and each is a FULL code or a record inside the words.

@@ -247,7 +247,13 @@ pub fn read_height_range(path: &Path, level: u32) -> Result<[f32; 2], CityError>
     }
     let (roofs, _) = reader.words([Some(4), None])?;
     match roofs.as_chunks::<4>().0.last() {
-        Some(&[highest, lowest, ..]) => Ok([lowest, highest].map(f32::from_bits)),
+        Some(&[highest, lowest, ..]) => {
+            let range = [lowest, highest].map(f32::from_bits);
+            match BuildingMap::is_sound_range(range) {
+                true => Ok(range),
+                false => Err(damaged(path, "its heights are impossible".to_owned())),
+            }
+        }
         None => Err(damaged(path, "a table has no row".to_owned())),
     }
 }

@@ -26,8 +26,12 @@ impl ImageryTile {
                     }
                     sums[3] += alpha;
                 }
-                let weight = sums[3].max(1);
-                rgba.extend([0, 1, 2].map(|channel| ((sums[channel] + weight / 2) / weight) as u8));
+                let weight = sums[3];
+                rgba.extend([0, 1, 2].map(|channel| match weight {
+                    // Where nothing is covered the colour that lies under it goes on.
+                    0 => self.rgba[4 * (2 * row * wide + 2 * column) + channel],
+                    weight => ((sums[channel] + weight / 2) / weight) as u8,
+                }));
                 rgba.push((sums[3] / 4) as u8);
             }
         }

@@ -15,7 +15,7 @@ const MAX_BYTES: u64 = 1 << 20;
 ///
 /// # Errors
 /// When they cannot be read or used.
-pub fn rules_of(city: &Path) -> Result<(FacadeRules, String), CityError> {
+pub fn rules_from_city(city: &Path) -> Result<(FacadeRules, String), CityError> {
     let path = city.join(FACADES);
     match std::fs::symlink_metadata(&path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
 use super::manifest::FORMAT;
-use super::rules_file::rules_of;
+use super::rules_file::rules_from_city;
 use super::update::Pending;
 use super::{CityError, ImageryTile, Manifest, Tile};
 use crate::buildings::BuildingMap;
@@ -136,7 +136,7 @@ impl City {
     /// # Errors
     /// When the file cannot be read or used.
     pub fn facade_rules(&self) -> Result<FacadeRules, CityError> {
-        rules_of(&self.folder).map(|(rules, _)| rules)
+        rules_from_city(&self.folder).map(|(rules, _)| rules)
     }
 
     /// A tile's path, when it exists as a plain file.

@@ -49,11 +49,11 @@ pub struct ReliefArgs {
     /// Eye: metres east, north and above the rectangle's south-west corner [default: before that corner].
     #[arg(long, value_parser = super::values::point, allow_hyphen_values = true)]
     eye: Option<DVec3>,
-    /// A point to look at [default: the rectangle's middle].
+    /// A point to look at [default: the rectangle's centre].
     #[arg(long, value_parser = super::values::point, allow_hyphen_values = true)]
     look: Option<DVec3>,
     /// Vertical field of view, degrees.
-    #[arg(long, default_value_t = 40.0, value_parser = fov)]
+    #[arg(long, default_value_t = 40.0, value_parser = super::values::field_of_view)]
     fov: f64,
     /// Image size, pixels; with --figures that of one.
     #[arg(long, default_value = "640x480", value_parser = super::values::size)]
@@ -65,15 +65,8 @@ pub struct ReliefArgs {
 
 fn metres(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(metres) if metres > 0.0 && metres < 1e6 => Ok(metres),
-        _ => Err("give a number of metres above 0".to_owned()),
-    }
-}
-
-fn fov(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(degrees) if (1.0..150.0).contains(&degrees) => Ok(degrees),
-        _ => Err("give degrees from 1 to 150".to_owned()),
+        Ok(metres) if (0.001..1e6).contains(&metres) => Ok(metres),
+        _ => Err("give a number of metres, 0.001 or more".to_owned()),
     }
 }
 
@@ -103,9 +96,9 @@ pub fn run(args: &ReliefArgs) -> Result<(), CommandError> {
         overflow: args.overflow,
         search: args.search.parameters(),
     };
-    let middle = (0.5 * size_m).extend(0.0);
+    let centre = (0.5 * size_m).extend(0.0);
     let before = (size_m * DVec2::new(-0.45, -1.1)).extend(0.9 * size_m.max_element() + args.height_m);
-    let pose = Pose::looking_at(args.eye.unwrap_or(before), args.look.unwrap_or(middle));
+    let pose = Pose::looking_at(args.eye.unwrap_or(before), args.look.unwrap_or(centre));
     let projection = Projection::new(pose, args.size, args.fov.to_radians());
     let gpu = Gpu::open().map_err(RenderError::from)?;
     let image = draw_extrusion(&gpu, &extrusion, &projection).map_err(RenderError::from)?;

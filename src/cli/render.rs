@@ -11,7 +11,9 @@ use super::search_flags::SearchFlags;
 use super::values::require_folder;
 use crate::city::City;
 use crate::gpu::Gpu;
-use crate::output::{FrameRequest, Intermediate, RenderError, Renderer, write_depth, write_ids, write_png};
+use crate::output::{
+    FrameRequest, Intermediate, RenderError, Renderer, write_depth, write_ids, write_png, write_radiance,
+};
 use crate::relief::ReliefMode;
 use crate::scene::{PoolOptions, TerrainMesh};
 use crate::space::Pose;
@@ -54,7 +56,7 @@ pub struct RenderArgs {
     /// Write an intermediate image of the last sample in false colours, instead of the image.
     #[arg(long, value_enum)]
     intermediate: Option<Intermediate>,
-    /// The image to write.
+    /// The image to write: PNG, or where it ends in .tif linear radiance (f32, RGB), before exposure and tone mapping.
     #[arg(long)]
     out: PathBuf,
     /// Metres along the view ray, NaN = sky (f32 TIFF).
@@ -112,11 +114,17 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     };
     let still = renderer.still(&request, args.samples)?;
     tell_warnings(&mut renderer);
-    let image = match args.intermediate {
-        Some(which) => renderer.debug_image(which)?,
-        None => still.rgba,
-    };
-    write_png(&args.out, args.size, &image)?;
+    let ending = args
+        .out
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase());
+    match (args.intermediate, ending.as_deref()) {
+        (None, Some("tif" | "tiff")) => {
+            write_radiance(&args.out, args.size, &renderer.radiance(args.samples)?)?
+        }
+        (None, _) => write_png(&args.out, args.size, &still.rgba)?,
+        (Some(which), _) => write_png(&args.out, args.size, &renderer.debug_image(which)?)?,
+    }
     if let Some(path) = &args.depth {
         write_depth(path, args.size, &still.depth)?;
     }

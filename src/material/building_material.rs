@@ -18,6 +18,11 @@ pub struct BuildingMaterial {
 }
 
 impl BuildingMaterial {
+    /// Whether a code names a facade and a roof that there are.
+    pub fn is_code(code: u32) -> bool {
+        (code & 127) < FacadeStyle::ALL.len() as u32 && ((code >> 8) & 255) < RoofStyle::ALL.len() as u32
+    }
+
     /// Bits 31-24: direction; 23-16: storeys; 15-8: roof; 7: shops; 6-0: facade.
     pub fn code(self) -> u32 {
         let facade = FacadeStyle::ALL.iter().position(|style| *style == self.facade);

@@ -3,7 +3,7 @@
 
 use super::FacadeStyle;
 use super::brickwork::{Courses, corrugated, courses, panels, render};
-use super::canvas::{Canvas, Rect, Texel, WALL_GREY};
+use super::canvas::{Canvas, Rect, Texel};
 use super::noise::hash;
 use super::openings::{Window, door, gate, shop_front, shutters, surround, window};
 
@@ -94,7 +94,7 @@ struct Bay {
 }
 
 impl Bay {
-    /// A rectangle about the bay's middle: `width` metres, from `bottom` to `top`.
+    /// A rectangle about the bay's centre: `width` metres, from `bottom` to `top`.
     fn centred(self, width: f32, bottom: f32, top: f32) -> Rect {
         let centre = self.west + 0.5 * self.width;
         [centre - 0.5 * width, bottom, centre + 0.5 * width, top]
@@ -249,9 +249,9 @@ fn stone_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
 }
 
 fn curtain_wall_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
-    let (spandrel, lights) = match band {
-        FacadeBand::Ground | FacadeBand::Shop => (0.12, 2),
-        _ => (0.95, 2),
+    let spandrel = match band {
+        FacadeBand::Ground | FacadeBand::Shop => 0.12,
+        _ => 0.95,
     };
     let blind = bay.curtain(4) * 0.8;
     let top = bay.storey - 0.06;
@@ -261,7 +261,7 @@ fn curtain_wall_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
         Window {
             frame: DARK.map(|c| 2.2 * c),
             bar_m: 0.05,
-            panes: [lights, 1],
+            panes: [2, 1],
             depth_m: 0.05,
             curtain: blind,
             sill_m: 0.0,
@@ -269,7 +269,7 @@ fn curtain_wall_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
     );
     // Spandrels are glass before a panel of the building's colour.
     canvas.paint(bay.across(0.0, spandrel), |[x, _], under| {
-        let is_joint = (x % (bay.width / lights as f32)) < 0.04;
+        let is_joint = (x % (0.5 * bay.width)) < 0.04;
         Texel {
             height_m: if is_joint { -0.02 } else { 0.0 },
             glass: if is_joint { 0.0 } else { 0.35 },
@@ -277,15 +277,9 @@ fn curtain_wall_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
         }
     });
     if band == FacadeBand::Top {
-        canvas.paint(bay.across(bay.storey - 0.8, bay.storey), |[_, y], under| {
+        canvas.paint(bay.across(bay.storey - 0.8, bay.storey), |[_, y], _| {
             let slat = (y / 0.16).fract();
-            Texel {
-                height_m: 0.03 * slat,
-                glass: 0.0,
-                tint: 1.0,
-                ..under.scaled(0.0)
-            }
-            .lightened(0.55 + 0.35 * slat)
+            Texel::wall(0.55 + 0.35 * slat, 0.03 * slat)
         });
     }
 }
@@ -451,15 +445,5 @@ fn house_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
     }
     if band == FacadeBand::Ground {
         canvas.fill(bay.across(0.0, 0.3), Texel::dull([0.30, 0.29, 0.27], 0.02));
-    }
-}
-
-impl Texel {
-    /// The same in the building's own colour, `grain` times as light.
-    fn lightened(self, grain: f32) -> Self {
-        Self {
-            albedo: [WALL_GREY * grain; 3],
-            ..self
-        }
     }
 }

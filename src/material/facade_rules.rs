@@ -43,6 +43,9 @@ pub enum RulesError {
     /// A rule names nothing to choose from.
     #[error("rule {0} names no facade or no roof")]
     Empty(usize),
+    /// A word is empty, or a part is no part.
+    #[error("rule {0} has an empty word among its uses, or shops that are not between 0 and 1")]
+    Value(usize),
     /// Some building fits no rule.
     #[error("the last rule has conditions: end with one without, for all other buildings")]
     Open,
@@ -70,7 +73,16 @@ impl FacadeRules {
     /// # Errors
     /// When it is no file of rules, or some building would fit none.
     pub fn from_text(text: &str) -> Result<Self, RulesError> {
-        let rules: Self = toml::from_str(text).map_err(|error| RulesError::Syntax(error.to_string()))?;
+        let mut rules: Self = toml::from_str(text).map_err(|error| RulesError::Syntax(error.to_string()))?;
+        for (index, rule) in rules.rule.iter_mut().enumerate() {
+            for word in rule.uses.iter_mut().flatten() {
+                *word = word.trim().to_lowercase();
+            }
+            let is_blank = rule.uses.iter().flatten().any(String::is_empty);
+            if is_blank || !(0.0..=1.0).contains(&rule.shops) {
+                return Err(RulesError::Value(index + 1));
+            }
+        }
         let is_empty = |rule: &Rule| rule.facades.is_empty() || rule.roofs.is_empty();
         if let Some(index) = rules.rule.iter().position(is_empty) {
             return Err(RulesError::Empty(index + 1));
@@ -145,10 +157,17 @@ impl Rule {
 
     fn fits(&self, seen: &Seen<'_>) -> bool {
         let uses = &seen.traits.uses;
+        // Whole words: a town hall is no hall.
+        let words = |text: &str| -> Vec<String> {
+            text.split(|c: char| !c.is_alphanumeric() && c != '_')
+                .map(str::to_owned)
+                .collect()
+        };
+        let is_named = |own: &String, word: &String| own == word || words(own).contains(word);
         let is_used = |words: &Vec<String>| {
             words
                 .iter()
-                .any(|word| uses.iter().any(|own| own.contains(word.as_str())))
+                .any(|word| uses.iter().any(|own| is_named(own, word)))
         };
         let year = seen.traits.year;
         self.uses.as_ref().is_none_or(is_used)
@@ -213,6 +232,12 @@ mod tests {
     fn the_first_rule_that_fits_counts() {
         assert_eq!(made(&["warehouse"], None, 9.0).facade, FacadeStyle::Shed);
         assert_eq!(made(&["church"], None, 20.0).facade, FacadeStyle::Stone);
+        assert_eq!(made(&["townhall"], None, 20.0).facade, FacadeStyle::Stone);
+        assert_ne!(
+            made(&["commercial et services"], None, 9.0).facade,
+            FacadeStyle::Shed
+        );
+        assert!(made(&["bakery", "shop"], None, 9.0).has_shops);
         assert_eq!(made(&["slab"], Some(5), 15.0).facade, FacadeStyle::Concrete);
         let rules = "[[rule]]\nmin_height_m = 5\nfacades = ['brick']\nroofs = ['metal']\n[[rule]]\nfacades = ['house']\nroofs = ['slate']\n";
         let rules = FacadeRules::from_text(rules).unwrap();

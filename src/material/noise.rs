@@ -1,6 +1,6 @@
 //! Numbers that look random and are the same everywhere.
 
-/// A number in 0..1 from three whole ones (PCG3D: Jarzynski & Olano 2020, JCGT 9(3), its first output).
+/// A number in 0..1 from three whole ones (after PCG3D: Jarzynski & Olano 2020, JCGT 9(3), mixed once more).
 pub fn hash(x: u32, y: u32, z: u32) -> f32 {
     let mut v = [x, y, z].map(|k| k.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     for _ in 0..2 {

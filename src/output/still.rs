@@ -1,5 +1,7 @@
 //! A still image in memory: many samples, read back.
 
+use half::f16;
+
 use super::{FrameRequest, RenderError, Renderer};
 use crate::gpu::{PassTimes, read_texture};
 use crate::relief::FAR;
@@ -46,6 +48,26 @@ impl Renderer {
             ids,
             pass_times: self.pass_times()?,
         })
+    }
+
+    /// Linear radiance of the still drawn last, of that many samples, with what the lens adds: before exposure and tone mapping.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn radiance(&self, samples: u32) -> Result<Vec<[f32; 3]>, RenderError> {
+        let Some(sums) = self.accumulate.targets() else {
+            return Ok(Vec::new());
+        };
+        let samples = samples.max(1);
+        let sum = read_texture::<[f32; 4]>(&self.gpu, &sums[(samples as usize - 1) % 2].texture)?;
+        let added = match self.flare.target() {
+            Some(flare) => read_texture::<[f16; 4]>(&self.gpu, &flare.texture)?,
+            None => vec![[f16::ZERO; 4]; sum.len()],
+        };
+        let pixel = |(sum, added): (&[f32; 4], &[f16; 4])| {
+            std::array::from_fn(|k| sum[k] / samples as f32 + f32::from(added[k]))
+        };
+        Ok(sum.iter().zip(&added).map(pixel).collect())
     }
 
     /// Depth and ids of the last sample.

@@ -11,7 +11,7 @@ use crate::gpu::{BySize, FLOAT, Gpu, PipelineParameters, shader_module, texture}
 use crate::scene::nearest_first;
 use crate::space::TileId;
 
-/// How the search goes; layout of `SearchParameters` in `shaders/lib/frame.wgsl`, where each is explained.
+/// How the search goes; layout of `SearchParameters` in `shaders/lib/search_parameters.wgsl`, where each is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SearchParameters {
@@ -65,7 +65,7 @@ impl SearchPass {
                 vertex: "vs",
                 buffers: &[],
                 primitive: wgpu::PrimitiveState {
-                    // Faces that look away from the viewer: they cover the volume also from inside it, every pixel once.
+                    // Faces that look away from the viewer: they cover the volume also from inside it.
                     cull_mode: Some(wgpu::Face::Front),
                     ..Default::default()
                 },

@@ -73,7 +73,7 @@ impl SkyTables {
         WALL_ALBEDO * SUN_ABOVE_AIR * (WALLS_IN_SUN * sun + WALLS_SKY * sky)
     }
 
-    /// Irradiance of level ground under the open sky, the sun's share included, luminance.
+    /// Irradiance of level ground under the open sky, the sun's light included, luminance.
     pub fn daylight(&self, sun: &Sun) -> f64 {
         let sky = self
             .irradiance

@@ -23,7 +23,7 @@ pub struct Footprint {
 /// What the dataset says of a building that its facade can go by.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BuildingTraits {
-    /// Words for its use, in lower case, the most telling first.
+    /// Words for its use, in lower case.
     pub uses: Vec<String>,
     /// Storeys above ground.
     pub storeys: Option<u32>,

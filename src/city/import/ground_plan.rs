@@ -16,6 +16,9 @@ pub const PLAN_PIXEL_M: f64 = 0.5;
 /// (`shaders/relief/light.wgsl`).
 const OPACITY: u8 = 224;
 
+/// The ground where nothing is drawn, sRGB: `PAPER` of `shaders/relief/light.wgsl`.
+const PAPER: [u8; 3] = [0xa4, 0xa0, 0x96];
+
 /// Files to draw.
 #[derive(Clone, Debug, Default)]
 pub struct PlanFiles {
@@ -59,7 +62,7 @@ impl GroundPlan {
     pub fn read(files: &PlanFiles, city: &Crs, grid: TileGrid) -> Result<Option<Self>, CityError> {
         let mut features: Vec<PlanFeature> = Vec::new();
         for (kind, file) in files.all() {
-            features.extend(read_plan(file, kind, city)?);
+            features.extend(read_plan(file, kind, (city, &grid.bounds()))?);
         }
         if features.is_empty() {
             return Ok(None);
@@ -101,7 +104,13 @@ impl GroundPlan {
         for pixel in pixels.pixels() {
             let colour = pixel.demultiply();
             let alpha = u32::from(colour.alpha()) * u32::from(OPACITY) / 255;
-            rgba.extend([colour.red(), colour.green(), colour.blue(), alpha as u8]);
+            // What is not drawn has the ground's colour, for what is read between it and a line.
+            let [r, g, b] = if alpha > 0 {
+                [colour.red(), colour.green(), colour.blue()]
+            } else {
+                PAPER
+            };
+            rgba.extend([r, g, b, alpha as u8]);
         }
         if let Some(orthophoto) = orthophoto {
             for (under, over) in rgba.chunks_exact_mut(4).zip(orthophoto.rgba.chunks_exact(4)) {

@@ -41,7 +41,7 @@ pub use warnings::ImportWarning;
 use super::geotiff::GeoKeys;
 use super::ground_cache::GroundCache;
 use super::manifest::FORMAT;
-use super::rules_file::{FACADES, read_rules, rules_of};
+use super::rules_file::{FACADES, read_rules, rules_from_city};
 use super::staging::Staging;
 use super::writer::TileWriter;
 use super::{CityError, Manifest};
@@ -71,7 +71,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     let sources = Sources::open(options)?;
     let (rules, rules_text) = match &options.facades {
         Some(path) => read_rules(path)?,
-        None => rules_of(&options.out)?,
+        None => rules_from_city(&options.out)?,
     };
     let cache_key = cache_key(options, &rules_text)?;
     refuse_inputs_inside(options)?;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
@@ -14,6 +14,7 @@ use super::parents::changed_parents;
 use crate::buildings::{Building, BuildingMap, MapTile, triangle_bytes};
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
+use crate::city::rules_file::FACADES;
 use crate::city::{City, CityError, Layer};
 use crate::material::FacadeRules;
 use crate::source::{
@@ -322,15 +323,17 @@ fn read_buildings(
     Ok((raised.buildings, report))
 }
 
-/// Refuses changes to a dataset whose own edits are not in the tiles yet: they would be taken for old.
+/// Refuses changes to a dataset whose own edits, or those of the facade rules, are not in the tiles yet: they would be taken for old.
 fn refuse_edited(city: &City) -> Result<(), CityError> {
     let time = |path| fs::metadata(path).and_then(|data| data.modified());
-    let dataset = city.footprint_dataset_path();
-    match (time(dataset.clone()), time(city.folder().join("city.toml"))) {
-        (Ok(dataset_time), Ok(manifest_time)) if dataset_time > manifest_time => {
-            Err(CityError::EditedDataset { path: dataset })
-        }
-        _ => Ok(()),
+    let Ok(manifest_time) = time(city.folder().join("city.toml")) else {
+        return Ok(());
+    };
+    let files = [city.footprint_dataset_path(), city.folder().join(FACADES)];
+    let is_edited = |path: &PathBuf| time(path.clone()).is_ok_and(|time| time > manifest_time);
+    match files.into_iter().find(is_edited) {
+        Some(path) => Err(CityError::EditedDataset { path }),
+        None => Ok(()),
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use rayon::prelude::*;
 
 use super::changes::TileChange;
-use crate::buildings::{BuildingMap, coarser, coarser_again};
+use crate::buildings::{BuildingMap, coarser, coarser_updated};
 use crate::city::{City, CityError, Layer};
 use crate::space::TileId;
 
@@ -69,7 +69,7 @@ fn parent_change(
                 None => city.height_range(children[k]),
             };
             let ranges = [range(0)?, range(1)?, range(2)?, range(3)?];
-            coarser_again(before, changed, ranges).map_err(too_large)?
+            coarser_updated(before, changed, ranges).map_err(too_large)?
         }
         None => {
             let read_child = |child: &TileId| match changed.contains_key(child) {

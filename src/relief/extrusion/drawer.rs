@@ -44,7 +44,7 @@ pub enum Overflow {
     None,
     /// On the plane, extended.
     Extended,
-    /// On the upright face of the border behind, where there is one alone; the first of two.
+    /// On the upright face of one border behind the rectangle; before a corner that of west or east.
     OneFace,
     /// On upright faces at all borders that it leaves by.
     Faces,
@@ -212,8 +212,11 @@ fn pieces(extrusion: &Extrusion<'_>, eye: DVec3) -> Vec<u32> {
         _ if !is_raised => Vec::new(),
         Overflow::None => Vec::new(),
         Overflow::Extended => vec![EXTENSION],
-        // North before east: the one behind where the eye is nearly straight before a side.
-        Overflow::OneFace => faces.last().into_iter().collect(),
+        Overflow::OneFace => {
+            // The one behind, where the eye is straight before a side: beside it none of the opposite one is seen.
+            let behind = (0..4).find(|&face| seen[face] && !seen[face ^ 1]);
+            behind.map(|face| FACES + face as u32).into_iter().collect()
+        }
         Overflow::Faces => faces.collect(),
     };
     overflow.into_iter().chain([RECTANGLE]).collect()

@@ -37,7 +37,7 @@ const fn figure(
     }
 }
 
-/// All of them: figure 7 (a) to (f), then figure 2 (b) and (c), the way before the patent.
+/// All of them: figure 7 (a) to (f), then figure 2 (b) and (c), the method before the patent.
 pub const FIGURES: [Figure; 8] = [
     figure(
         "7a",

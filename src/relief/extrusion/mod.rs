@@ -18,8 +18,8 @@
 //! | 10, 22 | a tiled texture on them | `fs`, FACADES; `facade.wgsl` | `steep_slopes_take_the_facade` |
 //! | 11, 12 | objects in the order of their distance | `SearchPass::encode`, the farthest tile first; `walk_city`, the nearest first | `search_approaches_the_truth`, `tests/truth.rs` |
 //! | 12 | polygons displaced by the global map, details by the local one, both at once | `ground.wgsl` and `search.wgsl` or `exact.wgsl` | `tests/truth.rs` |
-//! | 12 | the height direction is the same on neighbouring polygons | up everywhere: `march.wgsl` walks in world space | `tests/truth.rs`, walls on slopes |
-//! | 23 | global map: bare terrain; local map: buildings; texture: aerial photos | a city (`crate::city`) | `tests/light.rs`, `imagery_lies_where_the_survey_has_it` |
+//! | 12 | the height direction is the same on neighbouring polygons | up everywhere: `march.wgsl` walks in world space | `tests/light.rs`, `shadows_agree_with_the_ray_caster`; `tests/truth.rs` |
+//! | 23 | global map: bare terrain; local map: buildings; texture: orthophotos | a city (`crate::city`) | `tests/light.rs`, `imagery_lies_where_the_survey_has_it` |
 
 mod drawer;
 mod figures;

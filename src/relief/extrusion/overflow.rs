@@ -9,8 +9,8 @@ pub fn virtual_extension(dx: f64, dy: f64, view: DVec3) -> DVec2 {
     DVec2::new(dx * view.x / view.z, dx * view.y / view.z + dy)
 }
 
-/// The borders of a rectangle (west, east, south, north) over which what stands on it overflows for an eye: those behind it. One for an
-/// eye straight before a side, two for one before a corner. `eye`: from the rectangle's south-west corner, metres.
+/// The borders of a rectangle (west, east, south, north) over which what stands on it may overflow for an eye: those that it sees from
+/// within. Before a corner two; before a side the one behind and the two beside it, from above all four. `eye`: from the rectangle's south-west corner, metres.
 pub fn faces_seen(eye: DVec2, size_m: DVec2) -> [bool; 4] {
     [eye.x > 0.0, eye.x < size_m.x, eye.y > 0.0, eye.y < size_m.y]
 }
@@ -42,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn one_face_before_a_side_and_two_before_a_corner() {
+    fn two_faces_before_a_corner_and_three_before_a_side() {
         let size = DVec2::new(10.0, 8.0);
         let seen = |x, y| faces_seen(DVec2::new(x, y), size);
         assert_eq!(seen(5.0, -20.0), [true, true, false, true]);

@@ -35,7 +35,7 @@ pub fn collect_polygons(geometry: &Geometry, outline: &mut Outline, accept: OGRw
 }
 
 /// Curves as chords, by OGR; none when there are no curves.
-fn linearised(geometry: &Geometry) -> Option<Geometry> {
+pub(super) fn linearised(geometry: &Geometry) -> Option<Geometry> {
     // SAFETY: the handle is alive; the clone that OGR returns is owned by the new geometry.
     unsafe {
         if gdal_sys::OGR_G_HasCurveGeometry(geometry.c_geometry(), 0) == 0 {

@@ -5,7 +5,7 @@ use std::path::Path;
 use gdal::vector::{Defn, Feature, Geometry, LayerAccess, OGRwkbGeometryType, geometry_type_flatten};
 use geo::Coord;
 
-use super::feature::FieldPlace;
+use super::feature::{FieldPlace, linearised};
 use super::footprint_source::open_vector;
 use super::heights::OTHER_TAGS;
 use super::known_fields::plain;
@@ -209,11 +209,15 @@ fn width_of(kind: PlanKind, tags: &Tags<'_>, is_osm: bool) -> Option<f64> {
     })
 }
 
-/// Reads all lines and areas of a file that are of a kind, into the city's CRS.
+/// Reads all lines and areas of a file that are of a kind and meet a rectangle, into the city's CRS.
 ///
 /// # Errors
 /// When the file cannot be read, or has none.
-pub fn read_plan(path: &Path, kind: PlanKind, city: &Crs) -> Result<Vec<PlanFeature>, SourceError> {
+pub fn read_plan(
+    path: &Path,
+    kind: PlanKind,
+    (city, extent): (&Crs, &Bounds),
+) -> Result<Vec<PlanFeature>, SourceError> {
     let read_error = |why: String| SourceError::Read {
         path: path.to_owned(),
         why,
@@ -221,6 +225,7 @@ pub fn read_plan(path: &Path, kind: PlanKind, city: &Crs) -> Result<Vec<PlanFeat
     let dataset = open_vector(path)?;
     let is_osm = dataset.driver().short_name() == "OSM";
     let mut features = Vec::new();
+    let mut found = 0_u64;
     for index in 0..dataset.layer_count() {
         let mut layer = dataset
             .layer(index)
@@ -246,18 +251,22 @@ pub fn read_plan(path: &Path, kind: PlanKind, city: &Crs) -> Result<Vec<PlanFeat
             };
             if let Some(geometry) = feature.geometry() {
                 collect(geometry, &mut |parts, is_area| {
-                    features.push(PlanFeature {
+                    let feature = PlanFeature {
                         kind,
                         width_m: (!is_area).then_some(width),
                         parts: moved(parts, &transform),
-                    });
+                    };
+                    found += 1;
+                    if meets(&feature.bounds(), extent) {
+                        features.push(feature);
+                    }
                 });
             }
         }
     }
-    match features.is_empty() {
-        true => Err(read_error(format!("it has no {}", kind.names()))),
-        false => Ok(features),
+    match found {
+        0 => Err(read_error(format!("it has no {}", kind.names()))),
+        _ => Ok(features),
     }
 }
 
@@ -271,6 +280,10 @@ impl PlanKind {
             Self::Green => "green",
         }
     }
+}
+
+fn meets(a: &Bounds, b: &Bounds) -> bool {
+    a.west <= b.east && a.east >= b.west && a.south <= b.north && a.north >= b.south
 }
 
 fn moved(mut parts: Vec<Vec<Coord<f64>>>, transform: &PointTransform) -> Vec<Vec<Coord<f64>>> {
@@ -287,6 +300,8 @@ fn moved(mut parts: Vec<Vec<Coord<f64>>>, transform: &PointTransform) -> Vec<Vec
 
 /// Hands on every line and every area (its rings) of a geometry.
 fn collect(geometry: &Geometry, each: &mut impl FnMut(Vec<Vec<Coord<f64>>>, bool)) {
+    let linear = linearised(geometry);
+    let geometry = linear.as_ref().unwrap_or(geometry);
     let points = |geometry: &Geometry| {
         let mut points = Vec::new();
         geometry.get_points(&mut points);

@@ -7,7 +7,7 @@ use super::heights::OTHER_TAGS;
 use super::known_fields::plain;
 use crate::source::BuildingTraits;
 
-/// Names of a use, the most telling first: OpenStreetMap's `building:use`, `shop`, `amenity` and `building`; CityGML 2.0's `function`,
+/// Names of a use: OpenStreetMap's `building:use`, `shop`, `amenity` and `building`; CityGML 2.0's `function`,
 /// `usage` and `class` (12-019, 10.3.3); BD TOPO's `USAGE1` and `NATURE`; the plain words of exports.
 const USES: &[&str] = &[
     "building:use",
@@ -89,9 +89,12 @@ impl TraitReader {
             let text = |(place, name): &(FieldPlace, &str)| place.text(feature, name);
             places.iter().filter_map(text).collect()
         };
-        let uses = texts(&self.uses)
-            .into_iter()
-            .map(|text| text.trim().to_lowercase());
+        // A shop is one, whatever it sells.
+        let is_shop =
+            |(place, name): &(FieldPlace, &str)| *name == "shop" && place.text(feature, name).is_some();
+        let shop = self.uses.iter().any(is_shop).then(|| "shop".to_owned());
+        let uses = texts(&self.uses).into_iter().chain(shop);
+        let uses = uses.map(|text| text.trim().to_lowercase());
         let number = |text: &String| text.trim().parse::<f64>().ok().filter(|count| *count >= 1.0);
         // The first four digits: 1897, 1897-05-01, C1897.
         let year = |text: &String| {

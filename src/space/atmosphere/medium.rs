@@ -81,7 +81,7 @@ pub(super) fn sphere_ahead(radius_km: f64, cosine: f64, sphere_km: f64) -> Optio
     let root = discriminant.sqrt();
     let near = -radius_km * cosine - root;
     let far = -radius_km * cosine + root;
-    [near, far].into_iter().find(|&distance| distance > 0.0)
+    [near, far].into_iter().find(|&distance| distance > 1e-6)
 }
 
 /// Radius at a distance along a ray, km.

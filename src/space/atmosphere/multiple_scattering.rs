@@ -182,9 +182,9 @@ fn along(transmittance: &Transmittance, before: Option<&Orders>, ray: (f64, f64)
         let medium = Medium::at(here);
         // What a step of even air scatters into the ray (the paper's section 5.2, after Hillaire 2015).
         let passes = (-medium.extinction * step).exp();
-        let share = through * (DVec3::ONE - passes) / medium.extinction;
+        let scattered_in = through * (DVec3::ONE - passes) / medium.extinction;
         let sun_here = (radius * sun.0 + distance * sun.1) / here;
-        radiance += share
+        radiance += scattered_in
             * match before {
                 None => {
                     let phases =

@@ -110,12 +110,13 @@ fn along(
         let here = radius_along(EYE_KM, up, distance);
         let medium = Medium::at(here);
         let passes = (-medium.extinction * step).exp();
-        let share = through * (DVec3::ONE - passes) / medium.extinction;
+        let scattered_in = through * (DVec3::ONE - passes) / medium.extinction;
         let sun_here = (EYE_KM * sun + distance * towards_sun) / here;
         let lit = transmittance.sun(here, sun_here);
-        texel.even += share * medium.rayleigh * rayleigh_phase(towards_sun) * lit;
-        texel.even += share * scattering.scattered(&medium, here, (EYE_KM * up + distance) / here, sun_here);
-        texel.mie += share * medium.mie * lit;
+        texel.even += scattered_in * medium.rayleigh * rayleigh_phase(towards_sun) * lit;
+        texel.even +=
+            scattered_in * scattering.scattered(&medium, here, (EYE_KM * up + distance) / here, sun_here);
+        texel.mie += scattered_in * medium.mie * lit;
         through *= passes;
     }
     if ground.is_some() {
