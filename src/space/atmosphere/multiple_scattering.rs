@@ -11,15 +11,15 @@ use rayon::prelude::*;
 use super::medium::{
     GROUND_ALBEDO, GROUND_KM, Medium, TOP_KM, mie_phase, radius_along, rayleigh_phase, sphere_ahead,
 };
-use super::transmittance::{Transmittance, bilinear};
+use super::transmittance::{Transmittance, between};
 
 /// Cells along the sun's cosine and along the height.
-const SIZE: [usize; 2] = [32, 16];
+const SIZE: [usize; 2] = [32, 12];
 /// Directions from a place: rings of equal solid angle, and spokes over half a turn (the other half is the same).
-const DIRECTIONS: [usize; 2] = [12, 5];
-const STEPS: usize = 24;
+const DIRECTIONS: [usize; 2] = [12, 4];
+const STEPS: usize = 20;
 /// Orders that are transported, from the second on.
-const ORDERS: usize = 4;
+const ORDERS: usize = 3;
 
 /// What scattering more than once adds, by the sun's irradiance above the air.
 pub struct MultipleScattering {
@@ -124,8 +124,11 @@ impl Orders {
     fn scattered(&self, medium: &Medium, radius_km: f64, up: f64, sun: f64) -> DVec3 {
         let height = ((radius_km - GROUND_KM) / (TOP_KM - GROUND_KM)).clamp(0.0, 1.0);
         let place = [place_of(sun), height.sqrt()];
-        let [mean, first, second] =
-            [0, 1, 2].map(|k: usize| bilinear(|texel| self.round[texel][k], SIZE, place));
+        let [mean, first, second] = between(SIZE, place)
+            .iter()
+            .fold([DVec3::ZERO; 3], |sum, &(texel, weight)| {
+                std::array::from_fn(|k| sum[k] + weight * self.round[texel][k])
+            });
         // Of an expansion in Legendre polynomials the terms to the second order.
         let second = second * legendre2(up);
         let rayleigh = mean + 5.0 * RAYLEIGH_MOMENT * second;

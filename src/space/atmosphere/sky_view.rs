@@ -9,7 +9,7 @@ use super::medium::{
     EYE_KM, GROUND_ALBEDO, GROUND_KM, Medium, TOP_KM, mie_phase, radius_along, rayleigh_phase, sphere_ahead,
 };
 use super::multiple_scattering::MultipleScattering;
-use super::transmittance::Transmittance;
+use super::transmittance::{Transmittance, between};
 
 /// Texels from the sun's azimuth to the opposite one, and from straight below to the zenith: the middle row is level, just above the
 /// horizon.
@@ -62,22 +62,14 @@ impl SkyView {
 
     /// Radiance of a direction by its azimuth from the sun's and its altitude, radians; without the sun's disc.
     pub fn radiance(&self, azimuth: f64, altitude: f64) -> DVec3 {
-        let [columns, rows] = SKY_VIEW_SIZE;
-        let cell = |place: f64, count: usize| {
-            let place = place.clamp(0.0, 1.0) * (count - 1) as f64;
-            let first = (place as usize).min(count - 2);
-            (first, place - first as f64)
+        let wrapped = azimuth.rem_euclid(2.0 * PI);
+        let place = [wrapped.min(2.0 * PI - wrapped) / PI, place_of(altitude)];
+        let phase = mie_phase(self.towards_sun(azimuth, altitude));
+        let texels = between(SKY_VIEW_SIZE, place);
+        let radiance = |&(texel, weight): &(usize, f64)| {
+            weight * (self.texels[texel].even + phase * self.texels[texel].mie)
         };
-        let turned = azimuth.rem_euclid(2.0 * PI);
-        let (x, fx) = cell(turned.min(2.0 * PI - turned) / PI, columns);
-        let (y, fy) = cell(place_of(altitude), rows);
-        let cosine = self.towards_sun(azimuth, altitude);
-        let at = |x: usize, y: usize| {
-            let texel = self.texels[y * columns + x];
-            texel.even + mie_phase(cosine) * texel.mie
-        };
-        let row = |y: usize| at(x, y).lerp(at(x + 1, y), fx);
-        row(y).lerp(row(y + 1), fy)
+        texels.iter().map(radiance).sum()
     }
 
     fn towards_sun(&self, azimuth: f64, altitude: f64) -> f64 {

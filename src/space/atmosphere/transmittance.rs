@@ -46,11 +46,12 @@ impl Transmittance {
         let rho = (radius_km * radius_km - GROUND_KM * GROUND_KM).max(0.0).sqrt();
         let distance = sphere_ahead(radius_km, cosine, TOP_KM).unwrap_or(0.0);
         let (min, max) = (TOP_KM - radius_km, rho + horizon_km());
-        bilinear(
-            |texel| self.texels[texel],
-            SIZE,
-            [(distance - min) / (max - min).max(1e-9), rho / horizon_km()],
-        )
+        let place = [(distance - min) / (max - min).max(1e-9), rho / horizon_km()];
+        let texels = between(SIZE, place);
+        texels
+            .iter()
+            .map(|&(texel, weight)| weight * self.texels[texel])
+            .sum()
     }
 
     /// The fraction of the sun's light at a place; `cosine`: of the centre of its disc with the zenith. The part of the disc that is
@@ -81,14 +82,19 @@ fn to_top(radius_km: f64, cosine: f64) -> DVec3 {
     (-depth).exp()
 }
 
-/// Value of a table between its texels; `at`: 0 to 1 along each side.
-pub(super) fn bilinear(texel: impl Fn(usize) -> DVec3, size: [usize; 2], at: [f64; 2]) -> DVec3 {
+/// The four texels of a table about a place, 0 to 1 along each side, and their weights.
+pub(super) fn between(size: [usize; 2], at: [f64; 2]) -> [(usize, f64); 4] {
     let cell = |k: usize| {
         let place = at[k].clamp(0.0, 1.0) * (size[k] - 1) as f64;
         let first = (place as usize).min(size[k] - 2);
         (first, place - first as f64)
     };
     let ((x, fx), (y, fy)) = (cell(0), cell(1));
-    let row = |y: usize| texel(y * size[0] + x).lerp(texel(y * size[0] + x + 1), fx);
-    row(y).lerp(row(y + 1), fy)
+    let first = y * size[0] + x;
+    [
+        (first, (1.0 - fx) * (1.0 - fy)),
+        (first + 1, fx * (1.0 - fy)),
+        (first + size[0], (1.0 - fx) * fy),
+        (first + size[0] + 1, fx * fy),
+    ]
 }
