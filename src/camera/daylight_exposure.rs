@@ -1,14 +1,28 @@
 //! Exposure that follows the daylight, as an eye or a photographer does: not all the way, so that evenings stay darker than noon.
 //! It goes by the sky over the city, not by the image, so that it needs no image read back and does not flicker as the camera moves.
 
+use glam::DVec3;
+
+use crate::space::Sun;
+
 /// Daylight for which the exposure is 1: that of a high sun.
-const USUAL: f64 = 4.0;
+const USUAL: f64 = 3.1;
+/// How a town meets the sun: the part of level surfaces, and that of walls by the mean cosine of those in the sun.
+const LEVEL: f64 = 0.6;
+const UPRIGHT: f64 = 0.4 * 0.64;
 /// How far the exposure follows, as a power: 1 would make every hour equally bright.
 const FOLLOWS: f64 = 0.78;
 /// Daylight below which it follows no farther: street lamps.
 const DARKEST: f64 = 0.004;
 
-/// The factor for an irradiance of level ground under the open sky, in the image's unit.
+/// Mean irradiance of a town's surfaces that are in the light, luminance. `sky`: irradiance of level ground by the sky, linear sRGB.
+pub fn daylight(sun: &Sun, sky: DVec3) -> f64 {
+    let sine = sun.to_sun.z.clamp(0.0, 1.0);
+    let met = LEVEL * sine + UPRIGHT * (1.0 - sine * sine).sqrt();
+    (sky + sun.irradiance * met).dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// The factor for a daylight, in the image's unit.
 pub fn daylight_exposure(daylight: f64) -> f32 {
     ((USUAL + DARKEST) / (daylight.max(0.0) + DARKEST)).powf(FOLLOWS) as f32
 }

@@ -25,7 +25,7 @@ mod trace;
 
 pub use accumulate_pass::AccumulatePass;
 pub use auto_exposure::auto_exposure;
-pub use daylight_exposure::daylight_exposure;
+pub use daylight_exposure::{daylight, daylight_exposure};
 pub use diagram::lens_diagram;
 pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics};
 pub use paraxial::{

@@ -10,7 +10,7 @@
 use glam::DVec2;
 
 use super::{FlareSettings, RenderError, Renderer};
-use crate::camera::{Camera, daylight_exposure};
+use crate::camera::{Camera, daylight, daylight_exposure};
 use crate::gpu::Band;
 use crate::relief::{ReliefMode, ReliefView, SearchParameters, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
@@ -124,7 +124,8 @@ impl Renderer {
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
         self.flare.encode(encoder, self.timer.pass(FLARE));
         let timestamps = self.timer.pass(TONE_MAP);
-        let exposure = request.exposure * daylight_exposure(self.relief.daylight(request.sun));
+        let exposure =
+            request.exposure * daylight_exposure(daylight(request.sun, self.relief.sky_on_level_ground()));
         self.tone_map
             .encode(&self.gpu, encoder, exposure, samples, timestamps);
     }

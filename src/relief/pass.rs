@@ -103,9 +103,9 @@ impl ReliefPass {
         self.shade.sky.set_sun(gpu, sun);
     }
 
-    /// Irradiance of level ground under the open sky for the last sun set, luminance.
-    pub fn daylight(&self, sun: &Sun) -> f64 {
-        self.shade.sky.daylight(sun)
+    /// Irradiance of level ground by the open sky for the last sun set, linear sRGB.
+    pub fn sky_on_level_ground(&self) -> DVec3 {
+        self.shade.sky.on_level_ground()
     }
 
     /// Uploads the mesh that [`ReliefMode::Polygons`] draws.

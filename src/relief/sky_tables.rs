@@ -73,12 +73,11 @@ impl SkyTables {
         WALL_ALBEDO * SUN_ABOVE_AIR * (WALLS_IN_SUN * sun + WALLS_SKY * sky)
     }
 
-    /// Irradiance of level ground under the open sky, the sun's light included, luminance.
-    pub fn daylight(&self, sun: &Sun) -> f64 {
+    /// Irradiance of level ground by the open sky, linear sRGB.
+    pub fn on_level_ground(&self) -> DVec3 {
         let sky = self
             .irradiance
             .map_or(DVec3::ZERO, |irradiance| irradiance.on(DVec3::Z));
-        let light = sky * SUN_ABOVE_AIR + sun.irradiance * sun.to_sun.z.max(0.0);
-        light.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+        sky * SUN_ABOVE_AIR
     }
 }
