@@ -47,9 +47,17 @@ impl Resident {
         let bytes = (wanted.iter().enumerate())
             .map(|(layer, ids)| self.bytes_of(layer, ids))
             .sum::<u64>();
+        // Where frames do not wait, what lies over the leaves of a quadtree is held too: a third as many.
+        let held = |leaves: usize| {
+            if self.options.streams {
+                leaves + leaves / 3
+            } else {
+                leaves
+            }
+        };
         bytes <= self.options.budget - self.options.budget / 8
-            && wanted[TERRAIN].len() < layers
-            && wanted[IMAGERY].len() < layers
+            && held(wanted[TERRAIN].len()) < layers
+            && held(wanted[IMAGERY].len()) < layers
     }
 
     /// About the bytes of a tile that was not read yet.
