@@ -48,6 +48,11 @@ struct Frame {
     max_ground: f32,
     // Parts that a terrain mesh divides a cell's side into.
     mesh_parts: u32,
+    // Layers that are not drawn: HIDES_BUILDINGS, HIDES_FACADES, HIDES_IMAGERY.
+    hidden: u32,
+    padding_1: u32,
+    padding_2: u32,
+    padding_3: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -25,7 +25,7 @@ fn level_tile_m(level: u32) -> f32 { return frame.tile_m * f32(1u << level); }
 
 // The building map over a tile of the grid; its slot is the place of its record in `map_quads`.
 fn map_entry(tile: vec2<i32>) -> TableEntry {
-    if !is_in_grid(tile) { return TableEntry(-1, 0u); }
+    if !is_in_grid(tile) || (frame.hidden & HIDES_BUILDINGS) != 0u { return TableEntry(-1, 0u); }
     let codes = textureLoad(tile_table, tile, 0);
     let entry = table_entry(codes.x);
     return TableEntry(select(-1, i32(codes.w), entry.slot >= 0), entry.level);
@@ -33,7 +33,7 @@ fn map_entry(tile: vec2<i32>) -> TableEntry {
 
 // The imagery over a tile of the grid; its slot is a layer.
 fn imagery_entry(tile: vec2<i32>) -> TableEntry {
-    if !is_in_grid(tile) { return TableEntry(-1, 0u); }
+    if !is_in_grid(tile) || (frame.hidden & HIDES_IMAGERY) != 0u { return TableEntry(-1, 0u); }
     return table_entry(textureLoad(tile_table, tile, 0).y);
 }
 

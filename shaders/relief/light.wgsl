@@ -92,6 +92,11 @@ fn ambient(normal: vec3<f32>, parts: vec3<f32>) -> vec3<f32> {
     return open * sky_irradiance(normal) + parts[MEETS_WALL] * (frame.wall_light.rgb + PI * NIGHT_SKY);
 }
 
+// Walls and roofs without facades: plaster.
+const PLASTER: vec3<f32> = vec3<f32>(0.62, 0.605, 0.575);
+
+fn hides_facades() -> bool { return (frame.hidden & HIDES_FACADES) != 0u; }
+
 // Whether the sun is seen along a ray, past buildings and the ground.
 fn sees_sun(start: vec3<f32>, normal: vec3<f32>, to_sun: vec3<f32>) -> bool {
     if to_sun.z <= 0.0 || dot(normal, to_sun) <= 0.0 { return false; }
@@ -170,6 +175,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
             // Counted from the city's corner, so that it stays where it is and runs on over the tiles.
             let plan = vec2<f32>(frame.eye_tile) * frame.tile_m + frame.eye_in_tile + at.xy;
             material = roof_material(facade.w, id, plan, direction, pixel_m);
+            if hides_facades() { material = Material(PLASTER, normal, 0.0, 0.0); }
             let seen = imagery_at(at.xy, t, abs(direction.z));
             // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).
             let shows_roof = smoothstep(0.92, 0.98, seen.a);
@@ -180,6 +186,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
             below_roof = place.z - above_base;
             let wall = WallPosition(bitcast<f32>(relief.z), place.x, above_base, place.z);
             material = wall_material(facade.w, id, wall, normal, direction, pixel_m);
+            if hides_facades() { material = Material(PLASTER, normal, 0.0, 0.0); }
         }
     } else {
         normal = unpack_normal(textureLoad(ground_normal, pixel, 0).x);

@@ -31,6 +31,8 @@ pub enum Command {
     Relief(super::relief::ReliefArgs),
     /// Open a window and fly through a city.
     Fly(super::fly::FlyArgs),
+    /// Film a flight: a video, or numbered frames.
+    Film(super::film::FilmArgs),
     /// Lens prescriptions: first-order data, ghosts, exact rays, drawings.
     #[command(subcommand)]
     Lens(super::lens::LensCommand),

@@ -1,10 +1,8 @@
 //! `rilievo bench`: frame times by GPU timestamps and wall clock, bytes resident, reads per ray.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use glam::DVec3;
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::CommandError;
@@ -16,10 +14,10 @@ use crate::buildings::Building;
 use crate::camera::Camera;
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimes};
-use crate::output::{FrameRequest, RenderError, Renderer};
-use crate::relief::{ReliefMode, SearchParameters, cast_buildings};
+use crate::output::{FlightPath, FrameRequest, PathKey, RenderError, Renderer};
+use crate::relief::{ReliefMode, ReliefSettings, cast_buildings};
 use crate::scene::{Frustum, TerrainMesh, TileSet};
-use crate::space::{Pose, Projection};
+use crate::space::Projection;
 
 /// Flags of `bench`.
 #[derive(Debug, clap::Args)]
@@ -30,7 +28,7 @@ pub struct BenchArgs {
     /// Time the flares of the built-in lenses instead: each way of making ghosts, sun at 5 degrees, f/8.
     #[arg(long, conflicts_with_all = ["city", "path"])]
     flare: bool,
-    /// Views: a JSON list of {"name", "eye": [E,N,H], "look": [E,N,H], "fov": degrees} [default: low, oblique and high
+    /// Views: a flight path, a JSON list of {"name", "eye": [E,N,H], "look": [E,N,H], "fov": degrees} [default: low, oblique and high
     /// over the centre, and the whole city from above].
     #[arg(long)]
     path: Option<PathBuf>,
@@ -47,20 +45,8 @@ pub struct BenchArgs {
     json: bool,
 }
 
-/// One view of a path.
-#[derive(Clone, Debug, Deserialize)]
-struct PathView {
-    name: String,
-    eye: [f64; 3],
-    #[serde(rename = "look")]
-    target: [f64; 3],
-    #[serde(default = "default_fov")]
-    fov: f64,
-}
-
-fn default_fov() -> f64 {
-    60.0
-}
+/// Field of view where a view says none, degrees.
+const DEFAULT_FOV_DEG: f64 = 60.0;
 
 /// Times both ways of drawing.
 pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
@@ -69,7 +55,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     };
     let city = City::open(folder)?;
     let views = match &args.path {
-        Some(path) => read_path(path)?,
+        Some(path) => FlightPath::read(path)?.keys,
         None => default_views(&city, args.size)?,
     };
     let gpu = Gpu::open().map_err(RenderError::from)?;
@@ -78,8 +64,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     let sun = sun(None, city.manifest().place)?;
     let mut rows = Vec::new();
     for view in &views {
-        let pose = Pose::looking_at(DVec3::from_array(view.eye), DVec3::from_array(view.target));
-        let camera = Camera::pinhole(pose, view.fov.to_radians());
+        let camera = Camera::pinhole(view.pose(), view.fov.unwrap_or(DEFAULT_FOV_DEG).to_radians());
         let projection = camera.projection(args.size);
         let in_view = buildings_in_view(&buildings, &projection);
         for mode in [ReliefMode::Exact, ReliefMode::Polygons] {
@@ -87,9 +72,11 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
                 camera: &camera,
                 sun: &sun,
                 size: args.size,
-                mode,
+                relief: ReliefSettings {
+                    mode,
+                    ..ReliefSettings::default()
+                },
                 flare: None,
-                search: SearchParameters::default(),
                 exposure: 1.0,
             };
             let times = frame_times(&mut renderer, &request, args.frames)?;
@@ -230,17 +217,8 @@ fn reads_per_ray(tiles: &TileSet, projection: &Projection) -> ReadsPerRay {
     }
 }
 
-fn read_path(path: &Path) -> Result<Vec<PathView>, CommandError> {
-    let failed = |why: String| CommandError::File {
-        path: path.display().to_string(),
-        why,
-    };
-    let text = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
-    serde_json::from_slice(&text).map_err(|error| failed(format!("is no list of views ({error})")))
-}
-
 /// A low, an oblique and a high view over the centre, and one from above that shows the whole city.
-fn default_views(city: &City, size: [u32; 2]) -> Result<Vec<PathView>, CommandError> {
+fn default_views(city: &City, size: [u32; 2]) -> Result<Vec<PathKey>, CommandError> {
     let bounds = city.manifest().grid.bounds();
     let centre = bounds.centre();
     let tile = city.manifest().grid.tile_at(centre);
@@ -251,20 +229,20 @@ fn default_views(city: &City, size: [u32; 2]) -> Result<Vec<PathView>, CommandEr
     let top = f64::from(ground.map_or(0.0, |[_, high]| high));
     let reach = 0.25 * bounds.width().min(bounds.height());
     // Far enough for the city's sides to fit, with a tenth to spare.
-    let half_view = (0.5 * default_fov()).to_radians().tan();
+    let half_view = (0.5 * DEFAULT_FOV_DEG).to_radians().tan();
     let aspect = f64::from(size[0]) / f64::from(size[1]);
     let far = 0.55 * (bounds.height() / half_view).max(bounds.width() / (half_view * aspect));
-    let view = |name: &str, back: f64, up: f64| PathView {
+    let view = |name: &str, back: f64, up: f64| PathKey {
         name: name.to_owned(),
         eye: [centre.x - back, centre.y - back, top + up],
-        target: [centre.x, centre.y, top],
-        fov: default_fov(),
+        look: [centre.x, centre.y, top],
+        ..PathKey::default()
     };
     Ok(vec![
         view("low", 0.4 * reach, 60.0),
         view("oblique", 0.4 * reach, 0.35 * reach),
         view("high", 0.6 * reach, 1.6 * reach),
-        PathView {
+        PathKey {
             eye: [centre.x, centre.y - 0.02 * far, top + far],
             ..view("whole", 0.0, far)
         },

@@ -15,6 +15,7 @@ mod args;
 mod bench;
 mod bench_flare;
 mod camera_flags;
+mod film;
 mod flare_flags;
 mod fly;
 mod import;
@@ -27,6 +28,7 @@ mod lens_flags;
 mod lens_flare;
 mod lens_trace;
 mod relief;
+mod relief_flags;
 mod render;
 mod sample;
 mod search_flags;
@@ -53,6 +55,9 @@ pub enum CommandError {
     /// A picture file could not be written.
     #[error(transparent)]
     Output(#[from] crate::output::OutputError),
+    /// A flight path could not be used.
+    #[error(transparent)]
+    Path(#[from] crate::output::PathError),
     /// The sun could not be placed.
     #[error(transparent)]
     Sun(#[from] crate::space::SunError),
@@ -110,6 +115,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Render(args) => render::run(&args),
         Command::Relief(args) => relief::run(&args),
         Command::Fly(args) => fly::run(&args),
+        Command::Film(args) => film::run(&args),
         Command::Lens(command) => lens::run(command),
         Command::Bench(args) => bench::run(&args),
     }

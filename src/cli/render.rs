@@ -7,16 +7,16 @@ use glam::DVec3;
 use super::CommandError;
 use super::camera_flags::{CameraFlags, sun};
 use super::pool_flags::{PoolFlags, tell_warnings};
-use super::search_flags::SearchFlags;
+use super::relief_flags::ReliefFlags;
 use super::values::require_folder;
 use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{
-    FrameRequest, Intermediate, RenderError, Renderer, write_depth, write_ids, write_png, write_radiance,
+    FlightView, FrameRequest, Intermediate, RenderError, Renderer, write_depth, write_ids, write_png,
+    write_radiance,
 };
 use crate::relief::ReliefMode;
 use crate::scene::{PoolOptions, TerrainMesh};
-use crate::space::Pose;
 
 /// Flags of `render`.
 #[derive(Debug, clap::Args)]
@@ -24,11 +24,17 @@ pub struct RenderArgs {
     /// The city folder.
     city: PathBuf,
     /// Eye: easting, northing, height in the city's CRS, metres.
-    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true)]
-    eye: DVec3,
+    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, required_unless_present = "path", requires = "look")]
+    eye: Option<DVec3>,
     /// A point to look at: easting, northing, height.
-    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true)]
-    look: DVec3,
+    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, requires = "eye")]
+    look: Option<DVec3>,
+    /// Instead: the view of a flight path (`rilievo film`).
+    #[arg(long, conflicts_with_all = ["eye", "look"])]
+    path: Option<PathBuf>,
+    /// Seconds on that flight path [default: its first view].
+    #[arg(long, requires = "path")]
+    at: Option<f64>,
     #[command(flatten)]
     camera: CameraFlags,
     #[command(flatten)]
@@ -39,11 +45,8 @@ pub struct RenderArgs {
     /// Date and time for the sun, like 2026-06-21T19:40:00+02:00 [default: a sun in the south-west, 42 degrees high].
     #[arg(long)]
     time: Option<String>,
-    /// How buildings are drawn.
-    #[arg(long, value_enum, default_value = "exact")]
-    relief: ReliefMode,
     #[command(flatten)]
-    search: SearchFlags,
+    relief: ReliefFlags,
     /// Draw every terrain sample instead of the TIN.
     #[arg(long)]
     terrain_grid: bool,
@@ -51,7 +54,7 @@ pub struct RenderArgs {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4096))]
     samples: u32,
     /// Factor on the light before tone mapping.
-    #[arg(long, default_value_t = 1.0, value_parser = exposure)]
+    #[arg(long, default_value_t = 1.0, value_parser = super::values::exposure)]
     exposure: f32,
     /// Write an intermediate image of the last sample in false colours, instead of the image.
     #[arg(long, value_enum)]
@@ -67,10 +70,18 @@ pub struct RenderArgs {
     ids: Option<PathBuf>,
 }
 
-fn exposure(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(factor) if factor > 0.0 && factor < 1e6 => Ok(factor),
-        _ => Err("give a number above 0".to_owned()),
+/// What to draw: a view of its own, or that of a flight.
+fn view(args: &RenderArgs) -> Result<FlightView, CommandError> {
+    match (&args.path, args.eye, args.look) {
+        (Some(path), ..) => super::film::view_at(path, args.at),
+        (None, Some(eye), Some(target)) => Ok(FlightView {
+            eye,
+            target,
+            ..FlightView::default()
+        }),
+        _ => Err(CommandError::Argument(
+            "give --eye and --look, or --path".to_owned(),
+        )),
     }
 }
 
@@ -83,10 +94,10 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         require_folder(path)?;
     }
     let city = City::open(&args.city)?;
-    let sun = sun(args.time.as_deref(), city.manifest().place)?;
-    let camera = args
-        .camera
-        .camera(Pose::looking_at(args.eye, args.look), args.size)?;
+    let place = city.manifest().place;
+    let view = view(args)?;
+    let sun = view.sun_or(sun(args.time.as_deref(), place)?, place)?;
+    let camera = view.camera(&args.camera.camera(view.pose(), args.size)?.optics);
     let flare = args.camera.flare(&camera)?;
     let mesh = if args.terrain_grid {
         TerrainMesh::Grid
@@ -100,17 +111,16 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         ..args.pool.options(mesh)
     };
     let mut renderer = Renderer::open(gpu, &city, options)?;
-    if args.relief == ReliefMode::Polygons {
+    if args.relief.relief == ReliefMode::Polygons {
         renderer.load_polygons(&city)?;
     }
     let request = FrameRequest {
         camera: &camera,
         sun: &sun,
         size: args.size,
-        mode: args.relief,
-        search: args.search.parameters(),
+        relief: args.relief.settings(),
         flare: flare.as_ref(),
-        exposure: args.exposure,
+        exposure: view.exposure_or(args.exposure),
     };
     let still = renderer.still(&request, args.samples)?;
     tell_warnings(&mut renderer);

@@ -24,6 +24,22 @@ pub fn field_of_view(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A part of a whole.
+pub fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(part) if (0.0..=1.0).contains(&part) => Ok(part),
+        _ => Err("give a number from 0 to 1".to_owned()),
+    }
+}
+
+/// A factor on light.
+pub fn exposure(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(factor) if factor > 0.0 && factor < 1e6 => Ok(factor),
+        _ => Err("give a number above 0".to_owned()),
+    }
+}
+
 /// `WxH`, pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let sides: Option<Vec<u32>> = text.split('x').map(|side| side.parse().ok()).collect();

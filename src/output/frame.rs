@@ -12,7 +12,7 @@ use glam::DVec2;
 use super::{FlareSettings, RenderError, Renderer};
 use crate::camera::{Camera, daylight, daylight_exposure};
 use crate::gpu::Band;
-use crate::relief::{ReliefMode, ReliefView, SearchParameters, TIMED_PASSES, sun_seen_from};
+use crate::relief::{ReliefSettings, ReliefView, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
 
 const RELIEF: usize = TIMED_PASSES.len();
@@ -34,10 +34,8 @@ pub struct FrameRequest<'a> {
     pub sun: &'a Sun,
     /// Pixels.
     pub size: [u32; 2],
-    /// How buildings are drawn.
-    pub mode: ReliefMode,
-    /// How `ReliefMode::Search` searches.
-    pub search: SearchParameters,
+    /// How the city is drawn.
+    pub relief: ReliefSettings,
     /// What the camera's lens adds; counts only behind a lens.
     pub flare: Option<&'a FlareSettings>,
     /// Factor on radiance before tone mapping, over that which follows the daylight.
@@ -109,8 +107,7 @@ impl Renderer {
             projection: &projection,
             sun: request.sun,
             sample,
-            mode: request.mode,
-            search: request.search,
+            settings: request.relief,
             band,
         };
         self.relief

@@ -2,6 +2,7 @@
 
 mod contact_sheet;
 mod error;
+mod film;
 mod image_files;
 mod flare_pass;
 mod frame;
@@ -12,6 +13,9 @@ mod still;
 pub use contact_sheet::{ContactSheet, contact_sheet};
 pub use debug_view::{DEBUG_VIEW, DebugFrame, DebugView, Intermediate};
 pub use error::RenderError;
+pub use film::{
+    FilmFrame, Flight, FlightPath, FlightView, FrameFolder, PathError, PathKey, encode_video, require_encoder,
+};
 pub use flare_pass::FlareSettings;
 pub use frame::FrameRequest;
 pub use image_files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};

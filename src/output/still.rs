@@ -24,15 +24,25 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub fn still(&mut self, request: &FrameRequest<'_>, samples: u32) -> Result<Still, RenderError> {
-        let last = samples.max(1) - 1;
+        self.still_of(&vec![*request; samples.max(1) as usize])
+    }
+
+    /// The same with a request for every sample, of one size: motion blur.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn still_of(&mut self, requests: &[FrameRequest<'_>]) -> Result<Still, RenderError> {
         let mut centre = None;
-        for sample in 0..last {
+        for (sample, request) in (0..).zip(requests) {
+            if sample as usize + 1 == requests.len() {
+                self.frame(request, sample)?;
+                break;
+            }
             self.add_sample(request, sample)?;
             if sample == 0 {
                 centre = Some(self.read_surfaces()?);
             }
         }
-        self.frame(request, last)?;
         self.gpu.wait()?;
         let (depth, ids) = match centre {
             Some(centre) => centre,

@@ -1,5 +1,6 @@
 //! What the relief's shaders share with Rust: the prelude of every one of them.
 
+use super::pass::Layers;
 use super::search_pass::SEARCH_BAY_M;
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
@@ -51,5 +52,8 @@ pub const CONSTANTS: &[Constant] = &[
     ("MAX_SLOPE", ConstantValue::Float(MAX_SLOPE)),
     ("SEARCH_BAY_M", ConstantValue::Float(SEARCH_BAY_M)),
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
+    ("HIDES_BUILDINGS", ConstantValue::Uint(Layers::HIDDEN_BITS[0])),
+    ("HIDES_FACADES", ConstantValue::Uint(Layers::HIDDEN_BITS[1])),
+    ("HIDES_IMAGERY", ConstantValue::Uint(Layers::HIDDEN_BITS[2])),
     ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
 ];

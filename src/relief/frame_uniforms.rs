@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec4};
 
 use super::GridPosition;
+use super::pass::ReliefSettings;
 use super::search_pass::SearchParameters;
 use super::sky_tables::SkyTables;
 use crate::buildings::Pyramid;
@@ -43,6 +44,10 @@ pub struct FrameUniforms {
     pub pyramid_nodes: u32,
     pub max_ground: f32,
     pub mesh_parts: u32,
+    pub hidden: u32,
+    pub padding_1: u32,
+    pub padding_2: u32,
+    pub padding_3: u32,
 }
 
 impl FrameUniforms {
@@ -51,7 +56,7 @@ impl FrameUniforms {
         resident: &Resident,
         projection: &Projection,
         (sun, sky): (&Sun, &SkyTables),
-        (sample, search): (u32, SearchParameters),
+        (sample, settings): (u32, &ReliefSettings),
     ) -> Self {
         let grid = &resident.tiles.grid;
         let pose = &projection.pose;
@@ -65,7 +70,7 @@ impl FrameUniforms {
             upward: vector(pose.up * tan.y, 0.0),
             sun: vector(sun.to_sun, sun.angular_radius),
             sun_irradiance: vector(sun.irradiance, 0.0),
-            search,
+            search: settings.search,
             sky_light: sky.coefficients(),
             wall_light: vector(sky.wall_light(), f64::from(u8::from(resident.has_orthophotos))),
             eye_in_tile: eye.in_tile.to_array(),
@@ -87,6 +92,10 @@ impl FrameUniforms {
             pyramid_nodes: Pyramid::node_count(resident.tile_texels as usize) as u32,
             max_ground: resident.tiles.bounds.max_ground - eye.elevation,
             mesh_parts: resident.mesh_parts,
+            hidden: settings.layers.hidden(),
+            padding_1: 0,
+            padding_2: 0,
+            padding_3: 0,
         }
     }
 }

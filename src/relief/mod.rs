@@ -40,7 +40,7 @@ pub use frame_uniforms::FrameUniforms;
 pub use grid_position::GridPosition;
 pub use light_pass::LightPass;
 pub use march::{Hit, SurfaceHit};
-pub use pass::{ReliefMode, ReliefPass, ReliefView};
+pub use pass::{Layers, ReliefMode, ReliefPass, ReliefSettings, ReliefView};
 pub use polygons_pass::{Anchor, PolygonsPass};
 pub use search_pass::{SEARCH_BAY_M, SearchParameters, SearchPass};
 pub use shaders::ALL as SHADERS;

@@ -27,6 +27,60 @@ pub enum ReliefMode {
     Polygons,
 }
 
+/// What of a city is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layers {
+    /// Buildings, with their shadows.
+    pub buildings: bool,
+    /// Facades and roofs; without them plain walls.
+    pub facades: bool,
+    /// Orthophotos, and what is drawn on the ground.
+    pub imagery: bool,
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self {
+            buildings: true,
+            facades: true,
+            imagery: true,
+        }
+    }
+}
+
+impl Layers {
+    /// Bits of the layers that are hidden; shaders have them as `HIDES_BUILDINGS` and so on.
+    pub const HIDDEN_BITS: [u32; 3] = [1, 2, 4];
+
+    /// The bits of those that are hidden.
+    pub fn hidden(self) -> u32 {
+        let shown = [self.buildings, self.facades, self.imagery];
+        let bits = shown.into_iter().zip(Self::HIDDEN_BITS);
+        bits.filter(|(is_shown, _)| !is_shown).map(|(_, bit)| bit).sum()
+    }
+}
+
+/// How a city is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReliefSettings {
+    /// How buildings are drawn.
+    pub mode: ReliefMode,
+    /// How `ReliefMode::Search` searches.
+    pub search: SearchParameters,
+    /// What is drawn.
+    pub layers: Layers,
+}
+
+impl Default for ReliefSettings {
+    fn default() -> Self {
+        Self {
+            mode: ReliefMode::Exact,
+            search: SearchParameters::default(),
+            layers: Layers::default(),
+        }
+    }
+}
+
 /// One sample of one view.
 #[derive(Clone, Copy, Debug)]
 pub struct ReliefView<'a> {
@@ -36,10 +90,8 @@ pub struct ReliefView<'a> {
     pub sun: &'a Sun,
     /// Number of the sample, from 0.
     pub sample: u32,
-    /// How buildings are drawn.
-    pub mode: ReliefMode,
-    /// How `ReliefMode::Search` searches.
-    pub search: SearchParameters,
+    /// How the city is drawn.
+    pub settings: ReliefSettings,
     /// The rows to draw; the ground and polygons are drawn with the first ones, for all.
     pub band: Band,
 }
@@ -155,13 +207,12 @@ impl ReliefPass {
             projection,
             sun,
             sample,
-            mode,
-            search,
+            settings,
             band,
         } = *view;
         self.uniforms.write(
             gpu,
-            &FrameUniforms::new(resident, projection, (sun, &self.shade.sky), (sample, search)),
+            &FrameUniforms::new(resident, projection, (sun, &self.shade.sky), (sample, &settings)),
         );
         let mut context = PassContext {
             gpu,
@@ -178,10 +229,12 @@ impl ReliefPass {
         if band.is_first() {
             self.ground.encode(&mut context);
         }
-        match (mode, &self.polygons) {
+        match (settings.mode, &self.polygons) {
             (ReliefMode::Polygons, _) if !band.is_first() => {}
-            (ReliefMode::Polygons, Some(polygons)) => polygons.encode(&mut context),
-            (ReliefMode::Polygons, None) => {
+            (ReliefMode::Polygons, Some(polygons)) if settings.layers.buildings => {
+                polygons.encode(&mut context)
+            }
+            (ReliefMode::Polygons, _) => {
                 let timestamps = timer.pass(pass_number::BUILDINGS);
                 drop(targets.begin_buildings_pass(context.encoder, band, timestamps));
             }

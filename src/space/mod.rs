@@ -5,6 +5,8 @@
 pub mod atmosphere;
 mod bounds;
 mod crs;
+mod flight_curve;
+mod monotone_curve;
 mod pose;
 mod sun;
 mod sun_position;
@@ -12,6 +14,8 @@ mod tile_grid;
 
 pub use bounds::Bounds;
 pub use crs::{Accuracy, Crs, CrsError, GeoArea, MissingGrids, Operation, OperationWarning, PointTransform};
+pub use flight_curve::FlightCurve;
+pub use monotone_curve::MonotoneCurve;
 pub use pose::{Pose, Projection};
 pub use sun::{SOLAR_ANGULAR_RADIUS, SUN_ABOVE_AIR, Sun};
 pub use sun_position::{Place, SunError, sun_direction_at, sun_direction_in_world};

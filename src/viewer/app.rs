@@ -23,7 +23,7 @@ use crate::camera::lens::Lens;
 use crate::city::City;
 use crate::gpu::{Gpu, read_texture};
 use crate::output::{FlareSettings, FrameRequest, RenderError, Renderer, write_png};
-use crate::relief::{ReliefMode, SearchParameters};
+use crate::relief::ReliefSettings;
 use crate::scene::PoolOptions;
 use crate::space::{Pose, Projection};
 
@@ -250,8 +250,7 @@ impl Running {
             camera: &camera,
             sun: &self.state.sun,
             size,
-            mode: ReliefMode::Exact,
-            search: SearchParameters::default(),
+            relief: ReliefSettings::default(),
             flare: self.state.flare.as_ref(),
             exposure: self.state.exposure_stops.exp2(),
         };

@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 use rilievo::camera::Camera;
 use rilievo::output::FrameRequest;
-use rilievo::relief::{ReliefMode, SearchParameters};
+use rilievo::relief::ReliefSettings;
 use rilievo::space::{Pose, Sun};
 
 /// The program under test.
@@ -114,8 +114,7 @@ pub fn request<'a>(camera: &'a Camera, sun: &'a Sun, size: [u32; 2]) -> FrameReq
         camera,
         sun,
         size,
-        mode: ReliefMode::Exact,
-        search: SearchParameters::default(),
+        relief: ReliefSettings::default(),
         flare: None,
         exposure: 1.0,
     }
