@@ -95,6 +95,18 @@ pub enum CityError {
         /// Its id.
         fid: u32,
     },
+    /// No attribute of the dataset gives heights.
+    #[error("{}: has no attribute of its own that gives heights; add one in a GIS and import the dataset with it", path.display())]
+    NoHeightField {
+        /// The footprint dataset.
+        path: PathBuf,
+    },
+    /// An outline that is none.
+    #[error("building {fid}: the outline crosses itself or encloses nothing; draw it again")]
+    WrongOutline {
+        /// Its id.
+        fid: u32,
+    },
     /// A building is to be changed and to be deleted.
     #[error("building {fid} is to be changed and to be deleted")]
     ChangedAndDeleted {

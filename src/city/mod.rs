@@ -1,7 +1,9 @@
 //! The city folder: one folder is one city, every file a standard format.
 
+mod building_details;
 mod codec;
 mod durable;
+mod edit;
 mod error;
 mod geotiff;
 mod ground_cache;
@@ -17,7 +19,9 @@ mod tile;
 mod update;
 mod writer;
 
+pub use building_details::BuildingDetails;
 pub use codec::TerrainTile;
+pub use edit::{Edit, EditReport, Editor};
 pub use error::CityError;
 pub use imagery_tile::ImageryTile;
 pub use import::{ImportOptions, ImportReport, ImportWarning, PlanFiles, Setting, import};

@@ -131,12 +131,6 @@ impl City {
             &manifest.height_rule,
             manifest.default_height_m,
         )?;
-        let ground = GroundCache::new(
-            self.folder().to_owned(),
-            manifest.grid,
-            manifest.terrain_side,
-            manifest.terrain_step_m,
-        );
-        Ok(raise_on_tiles(footprints, &self.facade_rules()?, &ground)?.buildings)
+        Ok(raise_on_tiles(footprints, &self.facade_rules()?, &self.ground())?.buildings)
     }
 }

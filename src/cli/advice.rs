@@ -94,6 +94,8 @@ fn for_city(error: &CityError) -> Option<String> {
         | CityError::NoGround { .. }
         | CityError::EditedDataset { .. }
         | CityError::ImportedAnew { .. }
+        | CityError::NoHeightField { .. }
+        | CityError::WrongOutline { .. }
         | CityError::OutsideCity { .. } => return None,
     })
 }

@@ -21,6 +21,7 @@ pub use listed::listed;
 pub use raster::{Dtm, DtmSampler, ImageryMosaic, SampleLattice, SteppedHeights};
 pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
-    CleanReport, FieldCount, FootprintDataset, FootprintDatasetEditor, FootprintDatasetWriter,
-    FootprintReport, FootprintSource, Outline, PlanFeature, PlanKind, Selection, clean_outline, read_plan,
+    CleanReport, FieldCount, FootprintChange, FootprintDataset, FootprintDatasetEditor,
+    FootprintDatasetWriter, FootprintReport, FootprintSource, Outline, PlanFeature, PlanKind, Selection,
+    clean_outline, read_plan,
 };

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod raycaster;
+pub mod records;
 pub mod survey;
 
 use std::path::{Path, PathBuf};

@@ -128,7 +128,7 @@ pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Chan
     let manifest = city.manifest();
     // A building stands on the ground of its city: with a tile of it gone the building would be gone as well.
     city.require_tiles(Layer::Terrain)?;
-    let dataset = open_dataset(city)?;
+    let dataset = city.footprint_dataset()?;
     let mut stored_otherwise = HashSet::new();
     let (buildings, report) = read_buildings(place, &dataset, Selection::All, |footprint| {
         if !footprint.is_as_stored {
@@ -183,14 +183,14 @@ pub fn from_file(
     let city = place.city;
     let manifest = city.manifest();
     refuse_edited(city)?;
-    let dataset = open_dataset(city)?;
+    let dataset = city.footprint_dataset()?;
     let (after, read) = match &options.buildings {
         Some(path) => {
             let source = open_changes(place.crs, path, options)?;
             let (outlines, read) = read_outlines(place, &source)?;
             // As the dataset will hold them, so that heights come from what it will say.
             let mut merged = FootprintDatasetWriter::create(footprints, place.crs)?;
-            source.merge_to(&mut merged, &dataset, &outlines)?;
+            source.merge_to(&mut merged, &dataset, (&outlines, options.replaces_attributes))?;
             merged.finish()?;
             let merged = FootprintSource::open_footprint_dataset(footprints, Some(place.crs))?;
             let (after, report) = read_buildings(place, &merged, Selection::All, |_| {})?;
@@ -274,10 +274,6 @@ pub fn from_file(
         read,
         deleted: deleted.into_iter().collect(),
     })
-}
-
-fn open_dataset(city: &City) -> Result<FootprintSource, CityError> {
-    Ok(FootprintSource::open_footprint_dataset(&city.footprint_dataset_path(), None)?.require_ids()?)
 }
 
 fn open_changes(own: &Crs, path: &Path, options: &UpdateOptions) -> Result<FootprintSource, CityError> {

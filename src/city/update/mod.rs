@@ -19,7 +19,6 @@ use std::path::PathBuf;
 use changes::{Changes, UpdateContext, by_comparing, from_file, stamp_of};
 use transaction::{Transaction, finish_interrupted, set_not_older};
 
-use super::ground_cache::GroundCache;
 use super::{City, CityError, Manifest};
 use crate::source::FootprintReport;
 use crate::space::Crs;
@@ -38,6 +37,8 @@ pub struct UpdateOptions {
     pub crs: Option<String>,
     /// Ids of buildings to take out.
     pub delete: Vec<u32>,
+    /// Changed footprints have the attributes that the file says and no others, instead of keeping those that it does not name.
+    pub replaces_attributes: bool,
 }
 
 /// What an update did.
@@ -64,12 +65,7 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
     finish_interrupted(&options.city)?;
     let city = City::open(&options.city)?;
     let manifest = city.manifest();
-    let ground = GroundCache::new(
-        city.folder().to_owned(),
-        manifest.grid,
-        manifest.terrain_side,
-        manifest.terrain_step_m,
-    );
+    let ground = city.ground();
     let crs = Crs::from_text(&manifest.crs)?;
     let rules = city.facade_rules()?;
     let place = UpdateContext {

@@ -199,7 +199,7 @@ impl FootprintSource {
         &self,
         dataset: &mut FootprintDatasetWriter,
         known: &Self,
-        outlines: &BTreeMap<u32, MultiPolygon<f64>>,
+        (outlines, replaces_attributes): (&BTreeMap<u32, MultiPolygon<f64>>, bool),
     ) -> Result<(), SourceError> {
         let (mut layer, known) = (self.layer()?, known.layer()?);
         select(&mut layer, self.cad_filter.as_deref(), Selection::All)
@@ -215,7 +215,10 @@ impl FootprintSource {
                 && let Some(outline) = outlines.get(&fid)
                 && written.insert(fid)
             {
-                let before = known.feature(u64::from(fid));
+                let before = match replaces_attributes {
+                    true => None,
+                    false => known.feature(u64::from(fid)),
+                };
                 dataset.add_merged((before.as_ref(), &changed), &columns, fid, outline)?;
             }
         }
