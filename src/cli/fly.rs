@@ -8,7 +8,9 @@ use super::CommandError;
 use super::camera_flags::CameraFlags;
 use super::pool_flags::PoolFlags;
 use crate::city::City;
+use crate::output::FlightPath;
 use crate::scene::{PoolOptions, TerrainMesh};
+use crate::source::silence_gdal;
 use crate::space::Pose;
 use crate::viewer::{Clock, ViewerOptions, run as run_viewer};
 
@@ -17,7 +19,7 @@ use crate::viewer::{Clock, ViewerOptions, run as run_viewer};
 pub struct FlyArgs {
     /// The city folder.
     city: PathBuf,
-    /// Eye: easting, northing, height in the city's CRS, metres [default: a view of the whole city].
+    /// Eye: easting, northing, height in the city's CRS, metres [default: where it was left, or a view of the whole city].
     #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, requires = "look")]
     eye: Option<DVec3>,
     /// A point to look at: easting, northing, height.
@@ -33,7 +35,10 @@ pub struct FlyArgs {
     /// Date and time for the sun, like 2026-06-21T19:40:00+02:00 [default: four in the afternoon of midsummer].
     #[arg(long)]
     time: Option<String>,
-    /// Folder for the images that the key P saves.
+    /// A flight to play (`rilievo film`).
+    #[arg(long)]
+    path: Option<PathBuf>,
+    /// Folder for the images and flights that are saved.
     #[arg(long, default_value = ".")]
     images: PathBuf,
     /// Write a line of JSON for every frame: pose, size, samples, milliseconds.
@@ -46,6 +51,7 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
     if let Some(path) = &args.journal {
         super::values::require_folder(path)?;
     }
+    silence_gdal();
     let city = City::open(&args.city)?;
     let pose = args
         .eye
@@ -75,6 +81,7 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
             ..args.pool.options(TerrainMesh::Tin)
         },
         pose,
+        path: args.path.as_deref().map(FlightPath::read).transpose()?,
         clock,
         size: args.size,
         image_folder: args.images.clone(),

@@ -80,8 +80,11 @@ impl Renderer {
         Ok(sum.iter().zip(&added).map(pixel).collect())
     }
 
-    /// Depth and ids of the last sample.
-    fn read_surfaces(&self) -> Result<(Vec<f32>, Vec<u32>), RenderError> {
+    /// Depth (metres along the view ray, NaN = sky) and ids of the last sample.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn read_surfaces(&self) -> Result<(Vec<f32>, Vec<u32>), RenderError> {
         let Some(targets) = self.relief_targets() else {
             return Ok((Vec::new(), Vec::new()));
         };

@@ -29,8 +29,7 @@ impl Clock {
     pub fn new(place: Place, instant: Timestamp, offset: Option<Offset>) -> Self {
         let offset = offset.unwrap_or_else(|| zone_of(place.longitude_deg));
         let local = instant.to_zoned(TimeZone::fixed(offset));
-        let hours =
-            f64::from(local.hour()) + f64::from(local.minute()) / 60.0 + f64::from(local.second()) / 3600.0;
+        let hours = hours_of(&local);
         let mut clock = Self {
             place,
             date: local.date(),
@@ -51,6 +50,31 @@ impl Clock {
             .and_then(|local| TimeZone::fixed(offset).to_timestamp(local))
             .unwrap_or_default();
         Self::new(place, instant, Some(offset))
+    }
+
+    /// The same hour of the same day at another place.
+    pub fn move_to(&mut self, place: Place) {
+        self.place = place;
+        self.offset = zone_of(place.longitude_deg);
+        self.sunrise_sunset = self.find_sunrise_sunset();
+    }
+
+    /// Shows an instant.
+    pub fn set(&mut self, instant: Timestamp) {
+        let local = instant.to_zoned(TimeZone::fixed(self.offset));
+        let is_other_day = local.date() != self.date;
+        (self.date, self.hours) = (local.date(), hours_of(&local));
+        if is_other_day {
+            self.sunrise_sunset = self.find_sunrise_sunset();
+        }
+    }
+
+    /// Another day, so many from this one; the same hour.
+    pub fn add_days(&mut self, days: i64) {
+        if let Ok(date) = self.date.checked_add(days.days()) {
+            self.date = date;
+            self.sunrise_sunset = self.find_sunrise_sunset();
+        }
     }
 
     /// The instant that an hour of the day is.
@@ -119,6 +143,11 @@ impl Clock {
         });
         local.unwrap_or_default()
     }
+}
+
+/// Hours since midnight.
+fn hours_of(local: &jiff::Zoned) -> f64 {
+    f64::from(local.hour()) + f64::from(local.minute()) / 60.0 + f64::from(local.second()) / 3600.0
 }
 
 /// An hour of the day as `HH:MM`.

@@ -31,6 +31,14 @@ pub struct FrameRecord {
     pub sun_time: String,
     /// Generation of the city.
     pub generation: u64,
+    /// The building selected, 0 without one.
+    pub selected: u32,
+    /// Edits made that can be taken back.
+    pub edits: usize,
+    /// Keys of the flight.
+    pub path_keys: usize,
+    /// Length measured, metres.
+    pub measured_m: f64,
 }
 
 /// An open journal.

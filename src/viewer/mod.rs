@@ -1,24 +1,35 @@
 //! The window: a city flown through, drawn by the same frame as a still.
 //!
 //! ```text
-//! events ─▶ input, app ─┬▶ navigate (pose) ─┐
-//!                       ├▶ clock (sun) ─────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (image, overlay)
-//!                       └▶ panel (lens, ..) ┘
-//!                           pace (resolution while the camera moves, samples while it rests)
+//! events ─▶ app ─▶ input ─┬▶ navigate, motion (pose) ─┐
+//!                         ├▶ pointer ─▶ tools ────────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (image, overlay)
+//!                         └▶ panels ─▶ actions ───────┘
+//!                                        └▶ editing (a thread) ─▶ city::Editor ─▶ the city folder, which the window follows
+//! `running` is the open window; `pace` its resolution while the camera moves and its samples while it rests.
 //! ```
 
+mod actions;
 mod app;
 mod blit;
 mod clock;
+mod editing;
 mod error;
+mod glide;
 mod input;
 mod journal;
+mod last_view;
+mod motion;
 mod navigate;
 mod overlay;
 mod pace;
-mod panel;
+mod panels;
+mod places;
+mod pointer;
+mod recorder;
+mod running;
 mod scene_state;
 mod screen;
+mod tools;
 
 pub use app::{ViewerOptions, run};
 pub use blit::{Blit, SCREEN};

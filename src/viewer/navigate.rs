@@ -175,6 +175,12 @@ impl Navigator {
         true
     }
 
+    /// Goes to a pose, above the ground.
+    pub fn go_to(&mut self, tiles: &TileSet, pose: Pose) {
+        self.pose = pose;
+        self.stay_above(tiles);
+    }
+
     /// Lifts the eye out of the ground.
     fn stay_above(&mut self, tiles: &TileSet) {
         if let Some(ground) = tiles.ground_at(self.pose.eye.truncate()) {

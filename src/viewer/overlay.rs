@@ -23,10 +23,14 @@ pub struct Overlay {
     last_painted: Option<Instant>,
     /// Whether the user interface is in the middle of an animation.
     is_animated: bool,
+    /// What painting took last.
+    took: Duration,
 }
 
 /// While the camera moves the panel, which then only tells of times, is painted so often.
 const INTERVAL: Duration = Duration::from_millis(250);
+/// Painting that takes no longer is done for every frame.
+const CHEAP: Duration = Duration::from_millis(6);
 
 impl Overlay {
     /// For a window and its surface's format.
@@ -55,6 +59,7 @@ impl Overlay {
             painted: None,
             last_painted: None,
             is_animated: false,
+            took: Duration::ZERO,
         }
     }
 
@@ -80,7 +85,12 @@ impl Overlay {
             let known = image.texture.size();
             [known.width, known.height] == size
         });
-        !(is_moving && is_recent && is_sized) || self.is_used()
+        !(is_moving && is_recent && is_sized) || self.is_used() || self.is_cheap()
+    }
+
+    /// Whether it is painted so fast that every frame can have it.
+    pub fn is_cheap(&self) -> bool {
+        self.last_painted.is_some() && self.took < CHEAP
     }
 
     /// Runs the user interface and paints its image of `size` pixels.
@@ -91,6 +101,7 @@ impl Overlay {
         size: [u32; 2],
         mut panel: impl FnMut(&egui::Context),
     ) {
+        let begun = Instant::now();
         let input = self.input.take_egui_input(window);
         let output = self.egui.clone().run_ui(input, |ui| panel(&ui.ctx().clone()));
         self.input.handle_platform_output(window, output.platform_output);
@@ -134,6 +145,7 @@ impl Overlay {
         }
         self.painted = painted_pixels(&primitives, &descriptor);
         self.last_painted = Some(Instant::now());
+        self.took = begun.elapsed();
     }
 
     /// Binds the image for a window of `window` pixels.

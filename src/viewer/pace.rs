@@ -24,6 +24,10 @@ pub struct Pace {
     spent: Duration,
     /// What a sample in full takes.
     full: Duration,
+    /// Samples that a resting image gets.
+    pub max_samples: u32,
+    /// Frames a second to hold while the camera moves.
+    pub frames_per_s: f64,
 }
 
 /// What to draw next.
@@ -41,10 +45,12 @@ pub struct Step {
 pub const SCALES: [f64; 8] = [1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.15, 0.125];
 /// Index of the scale to begin with.
 const FIRST: usize = 4;
-/// Samples that a resting image gets.
+/// Most samples that a resting image gets.
 pub const MAX_SAMPLES: u32 = 64;
-/// A frame and its way to the screen are to take no longer while the camera moves: 15 a second, with something to spare.
-const BUDGET: Duration = Duration::from_millis(60);
+/// Frames a second while the camera moves, unless it is told otherwise; and the part of a frame's time that it may take: something is
+/// to spare.
+pub const FRAMES_PER_S: f64 = 15.0;
+const USED: f64 = 0.9;
 /// A band takes about so long, so that the window answers in between; and how many there are at most.
 const BAND: Duration = Duration::from_millis(80);
 const MAX_BANDS: u32 = 16;
@@ -64,6 +70,8 @@ impl Pace {
             band: Band::WHOLE,
             spent: Duration::ZERO,
             full: Duration::ZERO,
+            max_samples: MAX_SAMPLES,
+            frames_per_s: FRAMES_PER_S,
         }
     }
 
@@ -98,7 +106,7 @@ impl Pace {
             let count = (self.full.as_secs_f64() / BAND.as_secs_f64()).ceil() as u32;
             self.band.count = count.clamp(1, MAX_BANDS);
         }
-        (self.samples < MAX_SAMPLES).then_some(Step {
+        (self.samples < self.max_samples).then_some(Step {
             scale: 1.0,
             sample: self.samples,
             band: self.band,
@@ -120,7 +128,7 @@ impl Pace {
         if !self.is_moving {
             return Some(took);
         }
-        let budget = BUDGET.saturating_sub(self.screen).as_secs_f64();
+        let budget = (USED / self.frames_per_s - self.screen.as_secs_f64()).max(0.0);
         let seconds = took.as_secs_f64().max(1e-4);
         let takes = |scale: f64| seconds * (scale / step.scale).powi(2);
         let wanted = SCALES

@@ -4,13 +4,15 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::pace::{FRAMES_PER_S, MAX_SAMPLES};
 use super::{Clock, Navigator};
 use crate::camera::flare::{Aperture, Quality};
 use crate::camera::lens::{BUILT_IN, Lens, built_in};
 use crate::camera::{Camera, FULL_FRAME_MM, LensOptics, Optics};
-use crate::output::FlareSettings;
+use crate::output::{FlareSettings, FlightView, PathKey};
+use crate::relief::ReliefSettings;
 use crate::scene::TileSet;
-use crate::space::{Pose, Projection, Sun};
+use crate::space::{Place, Pose, Projection, Sun, SunError};
 
 /// State of the view.
 pub struct SceneState {
@@ -26,6 +28,16 @@ pub struct SceneState {
     pub sun: Sun,
     /// Factor on radiance, in stops.
     pub exposure_stops: f32,
+    /// How the city is drawn.
+    pub relief: ReliefSettings,
+    /// Whether the lens's flare is drawn.
+    pub shows_flare: bool,
+    /// Whether time flies.
+    pub is_time_lapse: bool,
+    /// Samples that a resting image gets.
+    pub max_samples: u32,
+    /// Frames a second to hold while the camera moves.
+    pub frames_per_s: f64,
 }
 
 /// Field of view of the pinhole, radians.
@@ -35,6 +47,54 @@ const FIRST_DISTANCE: f64 = 0.35;
 const FIRST_SLOPE: f64 = 0.45;
 
 impl SceneState {
+    /// A view with what flies through the city by itself.
+    pub fn new(
+        navigator: Navigator,
+        optics: Optics,
+        flare: Option<FlareSettings>,
+        clock: Clock,
+    ) -> Result<Self, SunError> {
+        Ok(Self {
+            navigator,
+            optics,
+            flare,
+            sun: clock.sun()?,
+            clock,
+            exposure_stops: 0.0,
+            relief: ReliefSettings::default(),
+            shows_flare: true,
+            is_time_lapse: false,
+            max_samples: MAX_SAMPLES,
+            frames_per_s: FRAMES_PER_S,
+        })
+    }
+
+    /// The view as a key of a flight.
+    pub fn key(&self, size: [u32; 2]) -> PathKey {
+        let (camera, pose) = (self.camera(), self.navigator.pose);
+        PathKey {
+            eye: pose.eye.to_array(),
+            look: (pose.eye + 100.0 * pose.forward).to_array(),
+            fov: Some(camera.fov_y(size).to_degrees()),
+            time: Some(self.clock.rfc3339()),
+            f_number: camera.lens().map(|lens| lens.f_number),
+            exposure: Some(f64::from(self.exposure_stops.exp2())),
+            ..PathKey::default()
+        }
+    }
+
+    /// Shows a view of a flight.
+    pub fn set_view(&mut self, view: &FlightView, place: Place) -> Result<(), SunError> {
+        self.navigator.pose = view.pose();
+        self.optics = view.camera(&self.optics).optics;
+        self.exposure_stops = view.exposure_or(self.exposure_stops.exp2()).log2();
+        self.sun = view.sun_or(self.sun, place)?;
+        if let Some(instant) = view.instant {
+            self.clock.set(instant);
+        }
+        Ok(())
+    }
+
     /// The camera.
     pub fn camera(&self) -> Camera {
         Camera {

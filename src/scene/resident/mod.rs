@@ -299,6 +299,11 @@ impl Resident {
         &self.ground_cover
     }
 
+    /// Resident tiles of all layers.
+    pub fn count(&self) -> usize {
+        self.entries.len()
+    }
+
     /// Bytes of the resident tiles on the device.
     pub fn bytes(&self) -> u64 {
         self.entries.values().map(|entry| entry.bytes).sum()

@@ -36,6 +36,9 @@ impl Draft {
                 y: point.y,
             })
             .collect();
-        Some(MultiPolygon::new(vec![Polygon::new(LineString::new(ring), Vec::new())]))
+        Some(MultiPolygon::new(vec![Polygon::new(
+            LineString::new(ring),
+            Vec::new(),
+        )]))
     }
 }

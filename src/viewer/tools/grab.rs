@@ -50,6 +50,11 @@ impl Grab {
         }
     }
 
+    /// Whether it is a vertex that is held.
+    pub fn is_vertex(&self) -> bool {
+        self.vertex.is_some()
+    }
+
     /// Whether it was moved at all.
     pub fn is_moved(&self) -> bool {
         self.to.distance(self.from) > 1e-3
@@ -86,7 +91,7 @@ fn on_plane(projection: &Projection, position: DVec2, elevation_m: f64) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::BuildingMaterial;
+    use crate::material::{BuildingMaterial, FacadeStyle, RoofStyle};
     use crate::space::Pose;
 
     #[test]
@@ -97,7 +102,13 @@ mod tests {
             outline: MultiPolygon::new(vec![geo::Polygon::new(ring.into(), Vec::new())]),
             base_m: 0.0,
             roof_m: 8.0,
-            material: BuildingMaterial::default(),
+            material: BuildingMaterial {
+                facade: FacadeStyle::ALL[0],
+                has_shops: false,
+                roof: RoofStyle::ALL[0],
+                storeys: 2,
+                direction: 0,
+            },
         };
         let pose = Pose::looking_at(DVec3::new(5.0, -30.0, 60.0), DVec3::new(5.0, 5.0, 8.0));
         let projection = Projection::new(pose, [800, 600], 0.8);
@@ -106,16 +117,32 @@ mod tests {
             let mut grab = Grab::begin(&building, &projection, pixel(from[0], from[1]))?;
             grab.follow(&projection, pixel(to[0], to[1]));
             let outline = grab.outline();
-            Some(outline.0[0].exterior().0.iter().map(|at| [at.x, at.y]).collect::<Vec<_>>())
+            Some(
+                outline.0[0]
+                    .exterior()
+                    .0
+                    .iter()
+                    .map(|at| [at.x, at.y])
+                    .collect::<Vec<_>>(),
+            )
         };
         let is = |moved: Option<Vec<[f64; 2]>>, wanted: [[f64; 2]; 5]| {
             moved.is_some_and(|moved| {
-                moved.iter().zip(wanted).all(|(at, is)| (at[0] - is[0]).abs() < 1e-6 && (at[1] - is[1]).abs() < 1e-6)
+                moved
+                    .iter()
+                    .zip(wanted)
+                    .all(|(at, is)| (at[0] - is[0]).abs() < 1e-6 && (at[1] - is[1]).abs() < 1e-6)
             })
         };
         let corner = moved([10.0, 10.0], [13.0, 12.0]);
-        assert!(is(corner, [[0.0, 0.0], [10.0, 0.0], [13.0, 12.0], [0.0, 10.0], [0.0, 0.0]]));
+        assert!(is(
+            corner,
+            [[0.0, 0.0], [10.0, 0.0], [13.0, 12.0], [0.0, 10.0], [0.0, 0.0]]
+        ));
         let whole = moved([5.0, 5.0], [6.0, 3.0]);
-        assert!(is(whole, [[1.0, -2.0], [11.0, -2.0], [11.0, 8.0], [1.0, 8.0], [1.0, -2.0]]));
+        assert!(is(
+            whole,
+            [[1.0, -2.0], [11.0, -2.0], [11.0, 8.0], [1.0, 8.0], [1.0, -2.0]]
+        ));
     }
 }

@@ -27,7 +27,7 @@ const TOLERANCE: [f64; 2] = [0.25, 0.003];
 const WIDTH: f32 = 2.0;
 const DOT_RADIUS: f32 = 4.0;
 /// Opacity of what is hidden.
-const FAINT: f32 = 0.22;
+const FAINT: f32 = 0.4;
 
 /// A line, with a dot on every point.
 pub fn line_mark(points: Vec<DVec3>, colour: egui::Color32) -> Mark {
@@ -44,13 +44,20 @@ pub fn building_marks(building: &Building, colour: egui::Color32) -> Vec<Mark> {
 }
 
 /// The same of an outline between two elevations, metres.
-pub fn outline_marks(outline: &MultiPolygon<f64>, [base_m, roof_m]: [f64; 2], colour: egui::Color32) -> Vec<Mark> {
+pub fn outline_marks(
+    outline: &MultiPolygon<f64>,
+    [base_m, roof_m]: [f64; 2],
+    colour: egui::Color32,
+) -> Vec<Mark> {
     let rings = outline
         .iter()
         .flat_map(|polygon| std::iter::once(polygon.exterior()).chain(polygon.interiors()));
     let mut marks = Vec::new();
     for ring in rings {
-        let at = |elevation: f64| ring.coords().map(move |vertex| DVec3::new(vertex.x, vertex.y, elevation));
+        let at = |elevation: f64| {
+            ring.coords()
+                .map(move |vertex| DVec3::new(vertex.x, vertex.y, elevation))
+        };
         let mut line = |points: Vec<DVec3>| {
             marks.push(Mark {
                 points,
@@ -65,6 +72,19 @@ pub fn outline_marks(outline: &MultiPolygon<f64>, [base_m, roof_m]: [f64; 2], co
         }
     }
     marks
+}
+
+/// The corners of a building's roof.
+pub fn corners(building: &Building) -> Vec<DVec3> {
+    let rings = building
+        .outline
+        .iter()
+        .flat_map(|polygon| std::iter::once(polygon.exterior()).chain(polygon.interiors()));
+    // A ring ends where it begins.
+    let vertices = rings.flat_map(|ring| ring.coords().skip(1));
+    vertices
+        .map(|vertex| DVec3::new(vertex.x, vertex.y, building.roof_m))
+        .collect()
 }
 
 /// Where a point lies in an image, pixels from its top left corner; none behind the eye.
@@ -94,7 +114,13 @@ fn ahead(projection: &Projection, [a, b]: [DVec3; 2]) -> Option<[DVec3; 2]> {
 }
 
 /// Paints marks over an image, whose pixels are so many to a point of the user interface.
-pub fn paint_marks(painter: &egui::Painter, tiles: &TileSet, projection: &Projection, marks: &[Mark], pixels_per_point: f32) {
+pub fn paint_marks(
+    painter: &egui::Painter,
+    tiles: &TileSet,
+    projection: &Projection,
+    marks: &[Mark],
+    pixels_per_point: f32,
+) {
     let eye = projection.pose.eye;
     let is_seen = |point: DVec3| {
         let distance = point.distance(eye);
@@ -121,7 +147,11 @@ pub fn paint_marks(painter: &egui::Painter, tiles: &TileSet, projection: &Projec
                     continue;
                 };
                 let seen = is_seen(at(k).lerp(at(k + 1), 0.5));
-                let colour = if seen { mark.colour } else { mark.colour.gamma_multiply(FAINT) };
+                let colour = if seen {
+                    mark.colour
+                } else {
+                    mark.colour.gamma_multiply(FAINT)
+                };
                 painter.line_segment([from, to], egui::Stroke::new(WIDTH, colour));
             }
         }

@@ -35,7 +35,11 @@ impl Measure {
         // From the first point, so that large coordinates do not take the digits.
         let relative: Vec<DVec3> = self.points.iter().map(|point| *point - *first).collect();
         let next = relative.iter().cycle().skip(1);
-        let twice: f64 = relative.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
+        let twice: f64 = relative
+            .iter()
+            .zip(next)
+            .map(|(a, b)| a.x * b.y - b.x * a.y)
+            .sum();
         Some(0.5 * twice.abs())
     }
 }

@@ -7,7 +7,7 @@ mod measure;
 
 pub use draft::Draft;
 pub use grab::Grab;
-pub use marks::{Mark, building_marks, line_mark, paint_marks, pixel_of};
+pub use marks::{Mark, building_marks, corners, line_mark, outline_marks, paint_marks, pixel_of};
 pub use measure::Measure;
 
 use crate::city::BuildingDetails;
