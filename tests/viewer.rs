@@ -13,10 +13,12 @@ use glam::{DVec2, DVec3};
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
 use rilievo::output::Renderer;
+use rilievo::relief::pick;
 use rilievo::scene::{TerrainMesh, TileSet};
 use rilievo::space::{Pose, Projection};
 use rilievo::viewer::{Cursor, Navigator};
 use serde_json::Value;
+use support::records::{is_a_fresh_import, records};
 
 const SIZE: [u32; 2] = [640, 360];
 
@@ -97,6 +99,7 @@ impl<'a> Viewer<'a> {
             .arg("--journal")
             .arg(&journal)
             .env("DISPLAY", &display.name)
+            .env("XDG_STATE_HOME", folder)
             .env_remove("WAYLAND_DISPLAY")
             .stderr(Stdio::null())
             .spawn()
@@ -173,6 +176,14 @@ impl<'a> Viewer<'a> {
         // The last of the moves is seen before the button is let go.
         std::thread::sleep(Duration::from_millis(400));
         self.display.xdotool(&["mouseup", button]);
+    }
+
+    fn click(&self, position: DVec2) {
+        self.move_to(position);
+        std::thread::sleep(Duration::from_millis(120));
+        self.display.xdotool(&["click", "1"]);
+        // Not so soon that two would be a double click.
+        std::thread::sleep(Duration::from_millis(500));
     }
 
     /// Closes the window by its key; the status that the program ends with.
@@ -298,7 +309,7 @@ fn the_window_does_what_the_mouse_and_the_keys_say() {
             .to_owned()
     };
     let noon = time(&viewer);
-    viewer.drag("1", DVec2::new(113.0, 74.0), DVec2::new(150.0, 74.0));
+    viewer.drag("1", DVec2::new(112.0, 86.0), DVec2::new(150.0, 86.0));
     viewer.at_rest(|frame| frame["sun_time"] != noon.as_str());
     let later = time(&viewer);
     assert!(later > noon, "{noon} became {later}");
@@ -315,6 +326,123 @@ fn the_window_does_what_the_mouse_and_the_keys_say() {
     assert_eq!([width, height], SIZE);
 
     assert_eq!(viewer.close(), Some(0), "closing ends the program with status 0");
+}
+
+/// A building is selected, deleted and brought back; another one is drawn; the dataset says so. A length is measured, a flight set
+/// and played.
+#[test]
+fn buildings_are_edited_in_the_window() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let city = support::copied(folder.path());
+    let dataset = city.join("buildings.gpkg");
+    let before = records(&dataset);
+    let mut renderer = Renderer::open(
+        Gpu::open().unwrap(),
+        &City::open(&city).unwrap(),
+        TerrainMesh::Tin,
+    )
+    .unwrap();
+    renderer.load_finest().unwrap();
+    let tiles = &renderer.resident.tiles;
+    let mut viewer = Viewer::open(&display, &city, folder.path());
+    let view = viewer.at_rest(|frame| frame["generation"] == 0);
+    let fid_at = |position: DVec2| {
+        let hit = pick(tiles, view.pose.eye, view.direction_at(position));
+        hit.map_or(0, |hit| hit.fid)
+    };
+    // A building well inside its own pixels.
+    let at = (0..4000)
+        .map(|k| DVec2::new(f64::from(300 + (k % 50) * 6), f64::from(140 + (k / 50) * 2)))
+        .find(|&at| {
+            let around = [[0.0, 0.0], [2.0, 0.0], [-2.0, 0.0], [0.0, 2.0], [0.0, -2.0]];
+            fid_at(at) != 0
+                && around
+                    .iter()
+                    .all(|&[x, y]| fid_at(at + DVec2::new(x, y)) == fid_at(at))
+        })
+        .expect("a building is in view");
+    let fid = fid_at(at);
+    let field = |name: &'static str, wanted: u64| {
+        move |frames: &[Value]| {
+            frames
+                .last()
+                .is_some_and(|frame| frame[name].as_u64() == Some(wanted))
+        }
+    };
+
+    viewer.click(at);
+    viewer.wait_for("selection", field("selected", u64::from(fid)));
+    display.xdotool(&["key", "Delete"]);
+    viewer.wait_for("deletion", field("generation", 1));
+    let deleted = records(&dataset);
+    assert_eq!(deleted.len() + 1, before.len());
+    assert!(!deleted.contains_key(&u64::from(fid)));
+    display.xdotool(&["key", "ctrl+z"]);
+    viewer.wait_for("undo", field("generation", 2));
+    assert!(records(&dataset) == before, "undone: the dataset is the first");
+    display.xdotool(&["key", "ctrl+shift+z"]);
+    viewer.wait_for("redo", field("generation", 3));
+    assert!(records(&dataset) == deleted, "redone");
+
+    // Four corners on the ground in the foreground, and Enter.
+    display.xdotool(&["key", "b"]);
+    for corner in [[300.0, 330.0], [380.0, 320.0], [400.0, 345.0], [310.0, 352.0]] {
+        viewer.click(DVec2::from_array(corner));
+    }
+    display.xdotool(&["key", "Return"]);
+    viewer.wait_for("new building", field("generation", 4));
+    let drawn = records(&dataset);
+    let new: Vec<_> = drawn.keys().filter(|fid| !deleted.contains_key(fid)).collect();
+    assert_eq!(new.len(), 1);
+    assert_eq!(drawn[new[0]].fields["height_m"].as_deref(), Some("9"));
+    assert!(
+        drawn
+            .iter()
+            .filter(|(fid, _)| *fid != new[0])
+            .all(|(fid, record)| deleted[fid] == *record)
+    );
+    display.xdotool(&["key", "Escape"]);
+
+    // A length between two points, as the CPU twin has them.
+    let ends = [DVec2::new(330.0, 250.0), DVec2::new(480.0, 300.0)];
+    display.xdotool(&["key", "m"]);
+    viewer.click(ends[0]);
+    viewer.click(ends[1]);
+    viewer.wait_for("length", |frames| {
+        frames
+            .last()
+            .is_some_and(|frame| frame["measured_m"].as_f64() > Some(0.0))
+    });
+    let measured = viewer.frames().last().unwrap()["measured_m"].as_f64().unwrap();
+    let [a, b] = ends.map(|at| point_under(tiles, &view, at));
+    assert!(
+        (measured - a.distance(b)).abs() < 0.5,
+        "{measured} m, by the twin {}",
+        a.distance(b)
+    );
+    display.xdotool(&["key", "Escape"]);
+
+    // Two keys of a flight, and it is played from the first.
+    display.xdotool(&["key", "k"]);
+    viewer.wait_for("first key", field("path_keys", 1));
+    display.xdotool(&["keydown", "w"]);
+    std::thread::sleep(Duration::from_millis(500));
+    display.xdotool(&["keyup", "w"]);
+    let moved = viewer.moved_from(&view);
+    display.xdotool(&["key", "k"]);
+    viewer.wait_for("second key", field("path_keys", 2));
+    display.xdotool(&["key", "space"]);
+    let near_first = |frame: &Value| {
+        vector(&frame["eye"]).distance(view.pose.eye) < 0.25 * moved.pose.eye.distance(view.pose.eye)
+    };
+    viewer.wait_for("flight from its first key", |frames| {
+        frames.last().is_some_and(near_first)
+    });
+    viewer.at_rest(|frame| vector(&frame["eye"]).distance(moved.pose.eye) < 0.01);
+    display.xdotool(&["key", "Escape"]);
+    assert_eq!(viewer.close(), Some(0));
+    is_a_fresh_import(&city, folder.path());
 }
 
 /// A city that is updated while its window is open is shown as it is then.

@@ -1,0 +1,216 @@
+//! Films: every frame is the still of its view, the same flight gives the same bytes, what was stopped is finished.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use support::{PROGRAM, rilievo, succeed};
+
+/// Down from an oblique view into a street, as the day ends.
+const FLIGHT: &str = r#"[
+  {"t": 0.0, "eye": [288900, 4772600, 400], "look": [289180, 4773000, 215], "fov": 45, "time": "2026-06-21T18:30:00+02:00"},
+  {"t": 1.0, "eye": [289200, 4772950, 290], "look": [289400, 4773100, 215]},
+  {"t": 2.5, "eye": [289442.35, 4773173.31, 231.1], "look": [289490.6, 4773188.1, 234.2], "fov": 62, "time": "2026-06-21T20:30:00+02:00"}
+]"#;
+const FPS: &str = "4";
+const FRAMES: usize = 10;
+
+fn arguments(path: &Path, out: &Path) -> Vec<String> {
+    let city = support::sample().join("city");
+    let text = |path: &Path| path.display().to_string();
+    let mut all: Vec<String> = vec!["film".to_owned(), text(&city), "--path".to_owned(), text(path)];
+    all.extend(["--fps", FPS, "--size", "96x54", "--samples", "2", "--out"].map(str::to_owned));
+    all.push(text(out));
+    all
+}
+
+/// Names and bytes of the PNG files of a folder.
+fn frames(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found: Vec<(String, Vec<u8>)> = fs::read_dir(folder)
+        .unwrap()
+        .flatten()
+        .filter(|entry| entry.path().extension().is_some_and(|ending| ending == "png"))
+        .map(|entry| {
+            (
+                entry.file_name().to_string_lossy().into_owned(),
+                fs::read(entry.path()).unwrap(),
+            )
+        })
+        .collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn a_film_is_its_stills_and_is_finished_after_it_was_killed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.json");
+    fs::write(&path, FLIGHT).unwrap();
+    let whole = folder.path().join("whole");
+    succeed(&arguments(&path, &whole));
+    let first = frames(&whole);
+    assert_eq!(first.len(), FRAMES);
+    assert!(
+        first.windows(2).all(|pair| pair[0].1 != pair[1].1),
+        "the camera moves"
+    );
+
+    // Each frame is what `render` gives of the flight at its time.
+    for frame in [0, 3, 7, 9] {
+        let still = folder.path().join("still.png");
+        let city = support::sample().join("city").display().to_string();
+        let at = (frame as f64 / 4.0).to_string();
+        let [path, out] = [&path, &still].map(|path| path.display().to_string());
+        succeed(&[
+            "render",
+            &city,
+            "--path",
+            &path,
+            "--at",
+            &at,
+            "--size",
+            "96x54",
+            "--samples",
+            "2",
+            "--out",
+            &out,
+        ]);
+        assert!(
+            fs::read(&still).unwrap() == first[frame].1,
+            "frame {frame} is not its still"
+        );
+    }
+
+    // Killed when some frames are there, and run again.
+    let stopped = folder.path().join("stopped");
+    let mut program = Command::new(PROGRAM)
+        .args(arguments(&path, &stopped))
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while !(stopped.is_dir() && frames(&stopped).len() >= 3) && begun.elapsed() < Duration::from_secs(120) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    program.kill().unwrap();
+    program.wait().unwrap();
+    let before = frames(&stopped).len();
+    succeed(&arguments(&path, &stopped));
+    assert!(
+        frames(&stopped) == first,
+        "killed after {before} frames, then finished"
+    );
+
+    // A second run of a whole film draws nothing; another flight begins anew.
+    let written = fs::metadata(whole.join("000000.png"))
+        .unwrap()
+        .modified()
+        .unwrap();
+    succeed(&arguments(&path, &whole));
+    assert_eq!(
+        fs::metadata(whole.join("000000.png"))
+            .unwrap()
+            .modified()
+            .unwrap(),
+        written
+    );
+    fs::write(&path, FLIGHT.replace("400]", "420]")).unwrap();
+    succeed(&arguments(&path, &whole));
+    let other = frames(&whole);
+    assert_eq!(other.len(), FRAMES);
+    assert!(other[0].1 != first[0].1, "another flight, other frames");
+}
+
+/// The same flight gives the same file, of all its frames.
+#[test]
+fn a_video_has_every_frame_and_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.json");
+    fs::write(&path, FLIGHT).unwrap();
+    if Command::new("ffmpeg").arg("-version").output().is_err() {
+        eprintln!("SKIPPED: ffmpeg is absent, no video was made; run tools/set-up");
+        let output = rilievo(&arguments(&path, &folder.path().join("a.mp4")));
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("ffmpeg"));
+        return;
+    }
+    let videos = ["a.mp4", "b.mp4"].map(|name| {
+        let video = folder.path().join(name);
+        succeed(&arguments(&path, &video));
+        video
+    });
+    let [a, b] = videos.each_ref().map(|video| fs::read(video).unwrap());
+    assert!(a == b, "two runs, two files");
+    let told = Command::new("ffprobe")
+        .args([
+            "-v",
+            "error",
+            "-show_entries",
+            "stream=width,height,nb_frames",
+            "-of",
+            "csv=p=0",
+        ])
+        .arg(&videos[0])
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&told.stdout).trim().to_owned();
+    assert_eq!(told, format!("96,54,{FRAMES}"));
+    let names: Vec<_> = fs::read_dir(folder.path())
+        .unwrap()
+        .flatten()
+        .map(|entry| entry.file_name())
+        .collect();
+    assert_eq!(names.len(), 3, "nothing is left beside the videos: {names:?}");
+}
+
+/// What is no flight is refused before anything is drawn, with the file and the reason.
+#[test]
+fn what_is_no_flight_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.json");
+    let out = folder.path().join("frames");
+    for (text, reason) in [
+        ("", "list of views"),
+        ("{}", "list of views"),
+        ("[]", "no views"),
+        (r#"[{"eye": [1, 2, 3]}]"#, "look"),
+        (r#"[{"eye": [1, 2, 3], "look": [1, 2, 3]}]"#, "its own eye"),
+        (r#"[{"eye": [1, 2, 3], "look": [1, 2, 4], "speed": 3}]"#, "speed"),
+        (
+            r#"[{"t": 1, "eye": [1, 2, 3], "look": [1, 2, 4]}, {"t": 1, "eye": [1, 2, 3], "look": [1, 2, 4]}]"#,
+            "after",
+        ),
+        (
+            r#"[{"t": 1, "eye": [1, 2, 3], "look": [1, 2, 4]}, {"eye": [1, 2, 3], "look": [1, 2, 4]}]"#,
+            "to all or to none",
+        ),
+        (r#"[{"eye": [1, 2, 3], "look": [1, 2, 4], "fov": 400}]"#, "fov"),
+        (
+            r#"[{"eye": [1, 2, 3], "look": [1, 2, 4], "time": "noon"}]"#,
+            "noon",
+        ),
+        (r#"[{"eye": [1, 2, 1e999], "look": [1, 2, 4]}]"#, "view"),
+    ] {
+        fs::write(&path, text).unwrap();
+        let output = rilievo(&arguments(&path, &out));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{text}: {said}");
+        assert!(
+            said.contains("flight.json") && said.contains(reason),
+            "{text}: {said}"
+        );
+        assert!(!out.exists(), "{text}: frames were begun");
+    }
+    // A folder of other things is left alone.
+    fs::write(&path, FLIGHT).unwrap();
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("mine.txt"), "mine").unwrap();
+    let output = rilievo(&arguments(&path, &out));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("mine.txt"));
+    assert_eq!(fs::read_to_string(out.join("mine.txt")).unwrap(), "mine");
+}
