@@ -6,6 +6,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use geo::{MultiPolygon, Validation};
 
@@ -135,6 +136,21 @@ impl Editor {
         let report = self.go(&step, true)?;
         self.done.extend(self.undone.pop());
         Ok(Some(report))
+    }
+
+    /// Takes over what others edited in the footprint dataset.
+    ///
+    /// # Errors
+    /// When it cannot be read: the city is as before.
+    pub fn take_over(&self) -> Result<UpdateReport, CityError> {
+        update(&UpdateOptions {
+            city: self.city.clone(),
+            buildings: None,
+            layer: None,
+            crs: None,
+            delete: Vec::new(),
+            replaces_attributes: true,
+        })
     }
 
     /// The datasets of an edit.
@@ -279,6 +295,23 @@ fn height_value(
 }
 
 impl City {
+    /// What tells one state of the footprint dataset on disk from another, when it was changed after the tiles were made: times and
+    /// lengths of the file and of its log. None when the tiles are of it.
+    pub fn edited_dataset(&self) -> Option<[Option<(SystemTime, u64)>; 2]> {
+        let path = self.footprint_dataset_path();
+        let stamp = |path: &Path| {
+            let data = fs::metadata(path).ok()?;
+            Some((data.modified().ok()?, data.len()))
+        };
+        let (made, _) = stamp(&self.folder().join("city.toml"))?;
+        let stamps = [
+            stamp(&path),
+            stamp(&path.with_extension("gpkg-wal")).filter(|(_, bytes)| *bytes > 0),
+        ];
+        let is_newer = stamps.iter().flatten().any(|(changed, _)| *changed > made);
+        is_newer.then_some(stamps)
+    }
+
     /// The lowest ground at an outline's vertices, metres.
     fn base_under(&self, outline: &MultiPolygon<f64>) -> Result<f64, CityError> {
         let ground = self.ground();

@@ -106,7 +106,7 @@ fn for_source(error: &SourceError) -> Option<String> {
         SourceRole::Footprints => "--buildings-crs",
         SourceRole::Imagery => "--photo-crs",
         // Such files have no flag: the city's CRS is taken for those that name none.
-        SourceRole::Plan => "--crs",
+        SourceRole::Plan | SourceRole::Track => "--crs",
     };
     Some(match error {
         SourceError::NoCrs { role, .. } => format!("name it with {} EPSG:n", crs_flag(*role)),

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::CommandError;
 use super::camera_flags::sun;
+use super::path_file::read_path;
 use super::pool_flags::{PoolFlags, tell_warnings};
 use super::statistics::median;
 use super::values::size;
@@ -14,7 +15,7 @@ use crate::buildings::Building;
 use crate::camera::Camera;
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimes};
-use crate::output::{FlightPath, FrameRequest, PathKey, RenderError, Renderer};
+use crate::output::{FrameRequest, PathKey, RenderError, Renderer};
 use crate::relief::{ReliefMode, ReliefSettings, cast_buildings};
 use crate::scene::{Frustum, TerrainMesh, TileSet};
 use crate::space::Projection;
@@ -55,7 +56,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     };
     let city = City::open(folder)?;
     let views = match &args.path {
-        Some(path) => FlightPath::read(path)?.keys,
+        Some(path) => read_path(path, &city)?.keys,
         None => default_views(&city, args.size)?,
     };
     let gpu = Gpu::open().map_err(RenderError::from)?;

@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::CommandError;
 use super::camera_flags::{CameraFlags, sun};
+use super::path_file::read_path;
 use super::pool_flags::{PoolFlags, tell_warnings};
 use super::relief_flags::ReliefFlags;
 use super::values::require_folder;
@@ -26,7 +27,7 @@ pub struct FilmArgs {
     /// The city folder.
     city: PathBuf,
     /// The flight: a JSON list of views {"t": seconds, "eye": [E,N,H], "look": [E,N,H], "fov": degrees, "time": RFC 3339, "f_number",
-    /// "exposure"}; all but eye and look may be left out.
+    /// "exposure"}, of which all but eye and look may be left out; or a track (.gpx, .kml).
     #[arg(long)]
     path: PathBuf,
     /// Frames a second.
@@ -79,7 +80,7 @@ pub fn run(args: &FilmArgs) -> Result<(), CommandError> {
         require_encoder(&args.out)?;
     }
     let city = City::open(&args.city)?;
-    let path = FlightPath::read(&args.path)?;
+    let path = read_path(&args.path, &city)?;
     let no_views = || CommandError::Argument(format!("{}: has no views", args.path.display()));
     let flight = Flight::new(&path).ok_or_else(no_views)?;
     let [first, last] = flight.span();
@@ -191,8 +192,8 @@ fn frame_progress(count: u64) -> ProgressBar {
 ///
 /// # Errors
 /// When the path file cannot be used.
-pub fn view_at(path: &Path, time_s: Option<f64>) -> Result<FlightView, CommandError> {
+pub fn view_at(path: &Path, time_s: Option<f64>, city: &City) -> Result<FlightView, CommandError> {
     let no_views = || CommandError::Argument(format!("{}: has no views", path.display()));
-    let flight = Flight::new(&FlightPath::read(path)?).ok_or_else(no_views)?;
+    let flight = Flight::new(&read_path(path, city)?).ok_or_else(no_views)?;
     Ok(flight.at(time_s.unwrap_or(flight.span()[0])))
 }

@@ -6,9 +6,9 @@ use glam::DVec3;
 
 use super::CommandError;
 use super::camera_flags::CameraFlags;
+use super::path_file::read_path;
 use super::pool_flags::PoolFlags;
 use crate::city::City;
-use crate::output::FlightPath;
 use crate::scene::{PoolOptions, TerrainMesh};
 use crate::source::silence_gdal;
 use crate::space::Pose;
@@ -53,6 +53,9 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
     }
     silence_gdal();
     let city = City::open(&args.city)?;
+    let path = (args.path.as_deref())
+        .map(|path| read_path(path, &city))
+        .transpose()?;
     let pose = args
         .eye
         .zip(args.look)
@@ -81,7 +84,7 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
             ..args.pool.options(TerrainMesh::Tin)
         },
         pose,
-        path: args.path.as_deref().map(FlightPath::read).transpose()?,
+        path,
         clock,
         size: args.size,
         image_folder: args.images.clone(),

@@ -21,6 +21,7 @@ mod fly;
 mod import;
 mod import_report;
 mod info;
+mod path_file;
 mod pool_flags;
 mod lens;
 mod lens_bake;

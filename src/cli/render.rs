@@ -71,9 +71,9 @@ pub struct RenderArgs {
 }
 
 /// What to draw: a view of its own, or that of a flight.
-fn view(args: &RenderArgs) -> Result<FlightView, CommandError> {
+fn view(args: &RenderArgs, city: &City) -> Result<FlightView, CommandError> {
     match (&args.path, args.eye, args.look) {
-        (Some(path), ..) => super::film::view_at(path, args.at),
+        (Some(path), ..) => super::film::view_at(path, args.at, city),
         (None, Some(eye), Some(target)) => Ok(FlightView {
             eye,
             target,
@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     }
     let city = City::open(&args.city)?;
     let place = city.manifest().place;
-    let view = view(args)?;
+    let view = view(args, &city)?;
     let sun = view.sun_or(sun(args.time.as_deref(), place)?, place)?;
     let camera = view.camera(&args.camera.camera(view.pose(), args.size)?.optics);
     let flare = args.camera.flare(&camera)?;

@@ -56,6 +56,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Name of the adapter, for messages.
     pub adapter_name: String,
+    /// True when the processor does the work of a graphics card.
+    pub is_software: bool,
     /// True when passes can be timed.
     pub has_timestamps: bool,
     /// What the device complained of since it was last asked.
@@ -127,6 +129,7 @@ impl Gpu {
             device,
             queue,
             adapter_name,
+            is_software: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
             has_timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
         })
     }

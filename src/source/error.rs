@@ -19,6 +19,8 @@ pub enum SourceRole {
     Imagery,
     /// Roads, rails, water, green.
     Plan,
+    /// A flight.
+    Track,
 }
 
 /// A source file was refused.
@@ -45,6 +47,12 @@ pub enum SourceError {
     /// Its features cannot be told by their ids.
     #[error("{}: keeps no ids of its features and has no column fid that says which buildings they are; add one, or use a GeoPackage", path.display())]
     NoIds {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It holds no track.
+    #[error("{}: holds no track or route; give a file with one, or a list of views", path.display())]
+    NoTrack {
         /// The file.
         path: PathBuf,
     },

@@ -23,5 +23,5 @@ pub use spatial_reference::{gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FieldCount, FootprintChange, FootprintDataset, FootprintDatasetEditor,
     FootprintDatasetWriter, FootprintReport, FootprintSource, Outline, PlanFeature, PlanKind, Selection,
-    clean_outline, read_plan,
+    TrackPoint, clean_outline, read_plan, read_track,
 };

@@ -76,6 +76,17 @@ impl Running {
         }
     }
 
+    /// Has the city follow its footprint dataset, when another program wrote it and is done: the same twice.
+    pub(super) fn take_over_edits(&mut self) {
+        let edited = self.city.edited_dataset();
+        let is_settled = edited.is_some() && edited == self.edited;
+        if is_settled && !self.editing.is_busy() && self.taken_over != edited {
+            self.taken_over = edited;
+            self.edit(EditCommand::TakeOver);
+        }
+        self.edited = edited;
+    }
+
     fn fly_to_selection(&mut self) {
         let Some(selection) = &self.interface.selection else {
             return;

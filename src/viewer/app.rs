@@ -64,7 +64,7 @@ pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
 }
 
 /// How often the city folder is checked for updates.
-const CHECK_INTERVAL: Duration = Duration::from_millis(300);
+const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
 struct App {
     started: Instant,
@@ -160,6 +160,7 @@ impl ApplicationHandler for App {
                 },
                 Err(error) => running.tell(error.to_string()),
             }
+            running.take_over_edits();
         }
         running.take_outcomes();
         if running.wants_frame() {

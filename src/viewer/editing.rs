@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use crate::city::{CityError, Edit, EditReport, Editor};
+use crate::city::{Edit, EditReport, Editor};
 
 /// What to do.
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub enum EditCommand {
     Undo,
     /// Make it again.
     Redo,
+    /// Take over what another program wrote into the footprint dataset.
+    TakeOver,
 }
 
 /// What came of a command.
@@ -46,13 +48,7 @@ impl Editing {
         let mut editor = Editor::new(city, scratch);
         std::thread::spawn(move || {
             for command in queue {
-                let result = match &command {
-                    EditCommand::Apply(edit) => editor.apply(edit).map(Some),
-                    EditCommand::Undo => editor.undo(),
-                    EditCommand::Redo => editor.redo(),
-                };
-                let outcome = outcome(&command, result, editor.depth());
-                if answers.send(outcome).is_err() {
+                if answers.send(outcome_of(&mut editor, &command)).is_err() {
                     break;
                 }
             }
@@ -86,31 +82,44 @@ impl Editing {
     }
 }
 
-fn outcome(
-    command: &EditCommand,
-    result: Result<Option<EditReport>, CityError>,
-    depth: [usize; 2],
-) -> EditOutcome {
-    let (text, building) = match result {
-        Ok(Some(report)) => {
-            let what = match command {
-                EditCommand::Apply(Edit::Add { .. }) => "drawn",
-                EditCommand::Apply(Edit::Delete { .. }) => "deleted",
-                EditCommand::Apply(Edit::Outline { .. } | Edit::Height { .. }) => "changed",
-                EditCommand::Undo => "as before",
-                EditCommand::Redo => "as after",
-            };
-            (
-                format!("building {} {what}", report.fid),
-                Some((report.fid, report.is_standing)),
-            )
-        }
-        Ok(None) => ("nothing to take back or to make again".to_owned(), None),
-        Err(error) => (error.to_string(), None),
+/// Does a command.
+fn outcome_of(editor: &mut Editor, command: &EditCommand) -> EditOutcome {
+    let done = match command {
+        EditCommand::Apply(edit) => editor.apply(edit).map(|report| told(&report, name_of(edit))),
+        EditCommand::Undo => editor.undo().map(|report| undone(report.as_ref(), "as before")),
+        EditCommand::Redo => editor.redo().map(|report| undone(report.as_ref(), "as after")),
+        EditCommand::TakeOver => editor.take_over().map(|report| {
+            let tiles = report.written + report.removed;
+            (format!("the dataset was edited: {tiles} tiles changed"), None)
+        }),
     };
+    let (text, building) = done.unwrap_or_else(|error| (error.to_string(), None));
     EditOutcome {
         text,
         building,
-        depth,
+        depth: editor.depth(),
+    }
+}
+
+/// What is said of an edit, and the building that it was about.
+type Told = (String, Option<(u32, bool)>);
+
+fn told(report: &EditReport, what: &str) -> Told {
+    let text = format!("building {} {what}", report.fid);
+    (text, Some((report.fid, report.is_standing)))
+}
+
+fn undone(report: Option<&EditReport>, what: &str) -> Told {
+    report.map_or_else(
+        || ("nothing to take back or to make again".to_owned(), None),
+        |report| told(report, what),
+    )
+}
+
+fn name_of(edit: &Edit) -> &'static str {
+    match edit {
+        Edit::Add { .. } => "drawn",
+        Edit::Delete { .. } => "deleted",
+        Edit::Outline { .. } | Edit::Height { .. } => "changed",
     }
 }

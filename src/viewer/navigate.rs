@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec2, DVec3};
 
-use crate::relief::pick;
+use crate::relief::{cast_buildings, pick};
 use crate::scene::TileSet;
 use crate::space::{Pose, Projection};
 
@@ -34,6 +34,8 @@ pub struct Navigator {
 
 /// Least height of the eye above the ground, metres.
 const CLEARANCE_M: f64 = 1.6;
+/// Least distance that a flight leaves to walls and roofs, metres.
+const WALL_CLEARANCE_M: f64 = 1.0;
 /// Least distance that the wheel leaves to what it goes to, metres.
 const NEAREST_M: f64 = 2.0;
 /// Part of the distance that stays with a step of the wheel.
@@ -170,7 +172,8 @@ impl Navigator {
         let factor = if is_fast { FAST } else { 1.0 };
         let speed = (SPEED * height).max(SLOWEST_M_S) * factor;
         let direction = self.pose.right * wish.x + DVec3::Z * wish.y + self.pose.forward * wish.z;
-        self.pose.eye += direction.normalize_or_zero() * speed * seconds;
+        let step = direction.normalize_or_zero() * speed * seconds;
+        self.pose.eye += allowed_step(tiles, self.pose.eye, step);
         self.stay_above(tiles);
         true
     }
@@ -187,4 +190,32 @@ impl Navigator {
             self.pose.eye.z = self.pose.eye.z.max(ground + CLEARANCE_M);
         }
     }
+}
+
+/// What of a step leads through no wall: up to the wall, and on along it.
+fn allowed_step(tiles: &TileSet, eye: DVec3, step: DVec3) -> DVec3 {
+    let mut left = step;
+    let mut taken = DVec3::ZERO;
+    // A corner has two walls.
+    for _ in 0..3 {
+        let length = left.length();
+        let direction = left.normalize_or_zero();
+        if length <= 0.0 {
+            break;
+        }
+        let from = eye + taken;
+        let (hit, _) = cast_buildings(tiles, from, direction, (length + WALL_CLEARANCE_M) as f32);
+        let Some(hit) = hit else {
+            return taken + left;
+        };
+        let free = (f64::from(hit.t) - WALL_CLEARANCE_M).clamp(0.0, length);
+        taken += free * direction;
+        let normal = hit
+            .wall_normal
+            .map_or(DVec3::Z, |normal| normal.as_dvec2().extend(0.0));
+        // The rest without its part into the wall.
+        left = (length - free) * direction;
+        left -= left.dot(normal).min(0.0) * normal;
+    }
+    taken
 }

@@ -23,14 +23,12 @@ pub struct Overlay {
     last_painted: Option<Instant>,
     /// Whether the user interface is in the middle of an animation.
     is_animated: bool,
-    /// What painting took last.
-    took: Duration,
+    /// Whether painting is so fast that every frame can have it: it is where pixels do not cost the processor's time.
+    is_cheap: bool,
 }
 
 /// While the camera moves the panel, which then only tells of times, is painted so often.
 const INTERVAL: Duration = Duration::from_millis(250);
-/// Painting that takes no longer is done for every frame.
-const CHEAP: Duration = Duration::from_millis(6);
 
 impl Overlay {
     /// For a window and its surface's format.
@@ -59,7 +57,7 @@ impl Overlay {
             painted: None,
             last_painted: None,
             is_animated: false,
-            took: Duration::ZERO,
+            is_cheap: !gpu.is_software,
         }
     }
 
@@ -88,9 +86,9 @@ impl Overlay {
         !(is_moving && is_recent && is_sized) || self.is_used() || self.is_cheap()
     }
 
-    /// Whether it is painted so fast that every frame can have it.
+    /// Whether every frame can have it.
     pub fn is_cheap(&self) -> bool {
-        self.last_painted.is_some() && self.took < CHEAP
+        self.is_cheap
     }
 
     /// Runs the user interface and paints its image of `size` pixels.
@@ -101,7 +99,6 @@ impl Overlay {
         size: [u32; 2],
         mut panel: impl FnMut(&egui::Context),
     ) {
-        let begun = Instant::now();
         let input = self.input.take_egui_input(window);
         let output = self.egui.clone().run_ui(input, |ui| panel(&ui.ctx().clone()));
         self.input.handle_platform_output(window, output.platform_output);
@@ -145,7 +142,6 @@ impl Overlay {
         }
         self.painted = painted_pixels(&primitives, &descriptor);
         self.last_painted = Some(Instant::now());
-        self.took = begun.elapsed();
     }
 
     /// Binds the image for a window of `window` pixels.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
@@ -29,6 +29,9 @@ use crate::output::{FrameRequest, PathKey, RenderError, Renderer};
 use crate::relief::{ReliefMode, cast_buildings};
 use crate::space::Projection;
 
+/// What `City::edited_dataset` gives.
+type DatasetStamp = Option<[Option<(SystemTime, u64)>; 2]>;
+
 /// An open window.
 pub(super) struct Running {
     pub(super) city: City,
@@ -39,6 +42,9 @@ pub(super) struct Running {
     pub(super) lenses: Vec<Arc<Lens>>,
     pub(super) places: Option<Places>,
     pub(super) editing: Editing,
+    /// The footprint dataset as another program wrote it, when it was looked at last and when it was taken over.
+    pub(super) edited: DatasetStamp,
+    pub(super) taken_over: DatasetStamp,
     pub(super) pace: Pace,
     pub(super) keys: Vec<KeyCode>,
     pub(super) modifiers: ModifiersState,
@@ -99,6 +105,8 @@ impl Running {
             // Without a way to the globe there are no degrees.
             places: Places::new(&manifest.crs, manifest.grid.bounds()).ok(),
             editing: Editing::new(options.city.folder()),
+            edited: None,
+            taken_over: None,
             city: options.city.clone(),
             screen,
             renderer,
@@ -148,7 +156,13 @@ impl Running {
             || self.screen.overlay.is_animated()
             || self.renderer.resident.is_loading()
             || self.pointer.is_due()
-            || self.pace.next(Instant::now()).is_some()
+            || self.refines()
+    }
+
+    /// Whether the image can become better; not while an edit is made, which is waited for.
+    fn refines(&mut self) -> bool {
+        let has_more = self.pace.next(Instant::now()).is_some();
+        has_more && (self.pace.is_moving() || !self.editing.is_busy())
     }
 
     /// When to look again, even if nothing happens.
@@ -283,7 +297,7 @@ impl Running {
             samples: self.pace.samples(),
             message: &self.message,
             lenses: &self.lenses,
-            is_loading: self.renderer.resident.is_loading(),
+            loaded: self.renderer.resident.loaded_fraction(),
             edits: (self.editing.depth, self.editing.is_busy()),
             under_cursor: self.pointer.label(),
         };

@@ -1,13 +1,14 @@
 //! Films: a flight through keyed views, drawn frame by frame, each complete.
 //!
 //! ```text
-//! flight_path (JSON keys) ─▶ flight (the view at a time) ─▶ film_frame (a still) ─▶ frame_folder (PNG, resumable) ─▶ video (ffmpeg)
+//! track_path (GPX, KML) ─▶ flight_path (JSON keys) ─▶ flight (the view at a time) ─▶ film_frame (a still) ─▶ frame_folder (PNG, resumable) ─▶ video (ffmpeg)
 //! ```
 
 mod film_frame;
 mod flight;
 mod flight_path;
 mod frame_folder;
+mod track_path;
 mod video;
 
 pub use film_frame::FilmFrame;

@@ -265,6 +265,21 @@ impl Resident {
             || (self.wanted.iter().enumerate()).any(|(layer, ids)| ids.iter().any(|id| is_missing(layer, id)))
     }
 
+    /// The fraction of the tiles that the last view wants which are resident, or cannot be read.
+    pub fn loaded_fraction(&self) -> f32 {
+        let wanted = || {
+            self.wanted
+                .iter()
+                .enumerate()
+                .flat_map(|(layer, ids)| ids.iter().map(move |id| (layer, *id)))
+        };
+        let is_there = |key: &(usize, TileId)| self.entries.contains_key(key) || self.failed.contains(key);
+        match wanted().count() {
+            0 => 1.0,
+            count => wanted().filter(is_there).count() as f32 / count as f32,
+        }
+    }
+
     /// Takes over the building maps of the city after an update: those resident whose files changed are read, ground and imagery stay.
     /// How many changed.
     ///

@@ -13,6 +13,7 @@ mod outline;
 mod plan_features;
 mod read_footprints;
 mod report;
+mod track;
 mod traits;
 
 pub use clean::{CleanReport, clean_outline};
@@ -24,3 +25,4 @@ pub use outline::Outline;
 pub use plan_features::{PlanFeature, PlanKind, read_plan};
 pub use read_footprints::Selection;
 pub use report::{FieldCount, FootprintReport};
+pub use track::{TrackPoint, read_track};

@@ -37,8 +37,8 @@ pub struct PanelInfo<'a> {
     pub message: &'a str,
     /// Lenses to choose from.
     pub lenses: &'a [Arc<Lens>],
-    /// Whether tiles are loading.
-    pub is_loading: bool,
+    /// The fraction of the view's tiles that are there.
+    pub loaded: f32,
     /// Edits that can be taken back and made again; whether one is under way.
     pub edits: ([usize; 2], bool),
     /// What is under the cursor, in words.
@@ -150,8 +150,8 @@ fn main_panel(
                 }
                 ui.small(concat!("Rilievo ", env!("CARGO_PKG_VERSION")));
             });
-            if info.is_loading {
-                ui.add(egui::ProgressBar::new(0.5).desired_height(3.0).animate(true));
+            if info.loaded < 1.0 {
+                ui.add(egui::ProgressBar::new(info.loaded).desired_height(3.0));
             }
             if !info.message.is_empty() {
                 ui.small(info.message);
