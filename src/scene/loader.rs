@@ -44,12 +44,19 @@ pub struct Loader {
     sender: Sender<Reading>,
     receiver: Receiver<Reading>,
     in_flight: Vec<TileKey>,
+    /// Threads that leave the processor time for frames; none where they could not be made.
+    threads: Option<rayon::ThreadPool>,
 }
 
 impl Default for Loader {
     fn default() -> Self {
         let (sender, receiver) = channel();
+        let cores = std::thread::available_parallelism().map_or(1, |count| count.get());
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads((cores / 2).max(1))
+            .thread_name(|k| format!("tiles {k}"));
         Self {
+            threads: threads.build().ok(),
             sender,
             receiver,
             in_flight: Vec::new(),
@@ -70,17 +77,19 @@ impl Loader {
             self.in_flight.push(key);
             let (city, sender) = (Arc::clone(city), self.sender.clone());
             // Nobody waits for it any more when the city was closed.
-            rayon::spawn(move || drop(sender.send(read(&city, key))));
+            let work = move || drop(sender.send(read(&city, key)));
+            match &self.threads {
+                Some(threads) => threads.spawn(work),
+                None => rayon::spawn(work),
+            }
         }
     }
 
-    /// What has come in.
-    pub fn finished(&mut self) -> Vec<Reading> {
-        let readings: Vec<Reading> = self.receiver.try_iter().collect();
-        for reading in &readings {
-            self.in_flight.retain(|&key| key != reading.key);
-        }
-        readings
+    /// The next tile that has come in.
+    pub fn finished(&mut self) -> Option<Reading> {
+        let reading = self.receiver.try_recv().ok()?;
+        self.in_flight.retain(|&key| key != reading.key);
+        Some(reading)
     }
 
     /// True when tiles are on their way.

@@ -24,6 +24,8 @@ pub struct Pace {
     spent: Duration,
     /// What a sample in full takes.
     full: Duration,
+    /// Whether an image of a lower resolution is to bridge the time until the first whole one.
+    is_bridge_due: bool,
     /// Samples that a resting image gets.
     pub max_samples: u32,
     /// Frames a second to hold while the camera moves.
@@ -51,6 +53,9 @@ pub const MAX_SAMPLES: u32 = 64;
 /// to spare.
 pub const FRAMES_PER_S: f64 = 15.0;
 const USED: f64 = 0.9;
+/// A whole image that takes longer than this is bridged by one at this scale.
+const SLOW: Duration = Duration::from_millis(400);
+const BRIDGE: f64 = 0.75;
 /// A band takes about so long, so that the window answers in between; and how many there are at most.
 const BAND: Duration = Duration::from_millis(80);
 const MAX_BANDS: u32 = 16;
@@ -70,6 +75,7 @@ impl Pace {
             band: Band::WHOLE,
             spent: Duration::ZERO,
             full: Duration::ZERO,
+            is_bridge_due: false,
             max_samples: MAX_SAMPLES,
             frames_per_s: FRAMES_PER_S,
         }
@@ -81,6 +87,7 @@ impl Pace {
         self.samples = 0;
         self.band = Band::WHOLE;
         self.spent = Duration::ZERO;
+        self.is_bridge_due = false;
     }
 
     /// What to draw next; none when the image is as good as it gets.
@@ -101,6 +108,14 @@ impl Pace {
         if self.is_coarse {
             self.is_coarse = false;
             self.samples = 0;
+            self.is_bridge_due = self.full > SLOW;
+        }
+        if self.is_bridge_due {
+            return Some(Step {
+                scale: BRIDGE,
+                sample: 0,
+                band: Band::WHOLE,
+            });
         }
         if self.band.is_first() {
             let count = (self.full.as_secs_f64() / BAND.as_secs_f64()).ceil() as u32;
@@ -123,7 +138,10 @@ impl Pace {
             return None;
         }
         (self.spent, self.band) = (Duration::ZERO, Band::WHOLE);
-        self.samples = step.sample + 1;
+        // What stands in for the first whole image is none of its samples.
+        let stands_in = !self.is_moving && step.scale < 1.0;
+        self.samples = if stands_in { 0 } else { step.sample + 1 };
+        self.is_bridge_due &= !stands_in;
         self.full = took.div_f64(step.scale * step.scale);
         if !self.is_moving {
             return Some(took);
@@ -195,6 +213,13 @@ mod tests {
         now += REST;
         let mut drawn = 0;
         let mut longest = Duration::ZERO;
+        // The first whole image takes long: one of a lower resolution comes before it, and is none of the samples.
+        let bridge = pace.next(now);
+        assert_eq!(bridge.map(|step| (step.scale, step.sample)), Some((BRIDGE, 0)));
+        if let Some(step) = bridge {
+            now += cost(step.scale);
+            assert!(pace.drawn(step, cost(step.scale)).is_some() && !pace.is_full());
+        }
         while let Some(step) = pace.next(now) {
             assert_eq!((step.scale, step.sample), (1.0, drawn));
             let took = cost(1.0).div_f64(f64::from(step.band.count));

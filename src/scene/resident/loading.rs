@@ -1,5 +1,7 @@
 //! Tiles on their way into the pool: all at once, or while frames go on.
 
+use std::time::{Duration, Instant};
+
 use super::{Resident, layer_index};
 use crate::city::Layer;
 use crate::gpu::Gpu;
@@ -10,6 +12,8 @@ use crate::space::TileId;
 
 /// Tiles read at a time: bounds the memory beside the pool's.
 const BATCH: usize = 24;
+/// A frame that goes on takes tiles for no longer than this; the others have the next one.
+const FRAME_TIME: Duration = Duration::from_millis(6);
 
 impl Resident {
     /// Loads the coarsest tile, which is never dropped.
@@ -102,15 +106,13 @@ impl Resident {
 
     /// Takes what has come in and asks for more.
     pub(super) fn stream(&mut self, gpu: &Gpu, view: &DetailView) -> Result<(), SceneError> {
-        let finished = self.loader.finished();
-        if !finished.is_empty() {
+        let begun = Instant::now();
+        while begun.elapsed() < FRAME_TIME
+            && let Some(reading) = self.loader.finished()
+        {
             let mut coming = [0; 3];
-            for reading in &finished {
-                coming[layer_index(reading.key.0)] += 1;
-            }
+            coming[layer_index(reading.key.0)] += 1;
             self.make_room(coming);
-        }
-        for reading in finished {
             self.take(gpu, reading)?;
         }
         let mut missing = self.missing();
