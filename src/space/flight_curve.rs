@@ -1,94 +1,102 @@
 //! A smooth flight through keyed poses.
 //!
 //! Positions lie on a centripetal Catmull-Rom spline, which has neither cusps nor loops (Yuksel, Schaefer & Keyser 2011,
-//! "Parameterization and applications of Catmull-Rom curves"), evaluated by the pyramid of Barry & Goldman (1988). Attitudes go through
-//! the same pyramid with spherical linear interpolation (Shoemake 1985) in the place of the linear one; the camera stays level.
-//! How far along the spline the flight is follows time by a monotone curve: it never goes back.
+//! "Parameterization and applications of Catmull-Rom curves"), evaluated by the pyramid of Barry & Goldman (1988). How far along it the
+//! flight is follows time by a monotone curve: it never goes back. Heading and pitch follow time by monotone curves as well, each key's
+//! heading by the shorter way from the one before: so the camera stays level, and turns no farther than its keys say. (Spherical
+//! interpolation of whole rotations tilts it on its way.)
 
-use glam::{DMat3, DQuat, DVec3};
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3};
 
 use super::{MonotoneCurve, Pose};
 
 /// A curve through poses.
 #[derive(Clone, Debug)]
 pub struct FlightCurve {
-    /// Parameter, eye and attitude of the keys, one more before the first and after the last.
-    knots: Vec<(f64, DVec3, DQuat)>,
-    parameter_at: MonotoneCurve,
+    /// Parameters and eyes of the keys, one more before the first and after the last.
+    knots: Vec<(f64, DVec3)>,
+    parameter: MonotoneCurve,
+    /// Heading, counter-clockwise from east, not wrapped, and pitch above the horizon, radians.
+    heading: MonotoneCurve,
+    pitch: MonotoneCurve,
 }
 
-/// Least parameter between two keys: where the eye stands still the attitude needs some. Square root of metres.
+/// Least parameter between two keys: between equal eyes there must be some. Square root of metres.
 const MIN_INTERVAL: f64 = 0.05;
+/// Steeper than this (sine) the direction of view no longer tells the heading; what is up in the image does.
+const STEEP: f64 = 0.999_999;
 
 impl FlightCurve {
     /// Through poses at times (seconds) that increase.
     pub fn new(keys: &[(f64, Pose)]) -> Self {
-        let mut knots: Vec<(f64, DVec3, DQuat)> = Vec::new();
+        let mut knots: Vec<(f64, DVec3)> = Vec::new();
+        let mut headings: Vec<f64> = Vec::new();
         for (_, pose) in keys {
-            let mut attitude = attitude_of(pose);
-            let mut parameter = 0.0;
-            if let Some((before, eye, last)) = knots.last() {
-                parameter = before + eye.distance(pose.eye).sqrt().max(MIN_INTERVAL);
-                // The nearer of the two quaternions that are one rotation.
-                if last.dot(attitude) < 0.0 {
-                    attitude = -attitude;
-                }
-            }
-            knots.push((parameter, pose.eye, attitude));
+            let parameter = knots.last().map_or(0.0, |(before, eye)| {
+                before + eye.distance(pose.eye).sqrt().max(MIN_INTERVAL)
+            });
+            knots.push((parameter, pose.eye));
+            let own = heading_of(pose);
+            let unwrapped = |before: &f64| before + (own - before + PI).rem_euclid(TAU) - PI;
+            headings.push(headings.last().map_or(own, unwrapped));
         }
-        let times = keys.iter().map(|(time, _)| *time);
-        let parameter_at = MonotoneCurve::new(
-            times
-                .zip(&knots)
-                .map(|(time, (parameter, ..))| [time, *parameter]),
-        );
-        // The ends go on as they came.
-        let mirrored = |(at, eye, attitude): (f64, DVec3, DQuat), next: (f64, DVec3, DQuat)| {
-            (
-                2.0 * at - next.0,
-                2.0 * eye - next.1,
-                attitude * next.2.inverse() * attitude,
-            )
+        let over_time = |values: &mut dyn Iterator<Item = f64>| {
+            MonotoneCurve::new(keys.iter().zip(values).map(|((time, _), value)| [*time, value]))
         };
+        let parameter = over_time(&mut knots.iter().map(|knot| knot.0));
+        // The ends go on as they came.
         if let [first, second, ..] = *knots.as_slice() {
             let (last, before) = (knots[knots.len() - 1], knots[knots.len() - 2]);
+            let mirrored =
+                |end: (f64, DVec3), next: (f64, DVec3)| (2.0 * end.0 - next.0, 2.0 * end.1 - next.1);
             knots.insert(0, mirrored(first, second));
             knots.push(mirrored(last, before));
         }
-        Self { knots, parameter_at }
+        let pitch = |pose: &Pose| pose.forward.z.clamp(-1.0, 1.0).asin();
+        Self {
+            parameter,
+            heading: over_time(&mut headings.into_iter()),
+            pitch: over_time(&mut keys.iter().map(|(_, pose)| pitch(pose))),
+            knots,
+        }
     }
 
     /// The pose at a time, seconds; that of the nearest end before the first key and after the last, none without keys.
     pub fn at(&self, time: f64) -> Option<Pose> {
+        let (heading, pitch) = (self.heading.at(time)?, self.pitch.at(time)?);
+        let level = DVec2::from_angle(heading) * pitch.cos();
+        Some(Pose::looking_along(self.eye_at(time)?, level.extend(pitch.sin())))
+    }
+
+    fn eye_at(&self, time: f64) -> Option<DVec3> {
         if self.knots.len() < 4 {
-            let (_, eye, attitude) = self.knots.first()?;
-            return Some(Pose::looking_along(*eye, *attitude * DVec3::Y));
+            return self.knots.first().map(|knot| knot.1);
         }
-        let u = self.parameter_at.at(time)?;
+        let u = self.parameter.at(time)?;
         let segments = self.knots.len() - 3;
         let after = self.knots.partition_point(|knot| knot.0 <= u);
         let first = after.saturating_sub(2).min(segments - 1);
         let four = [0, 1, 2, 3].map(|k| self.knots[first + k]);
-        let at = four.map(|knot| knot.0);
-        let eye = pyramid(at, four.map(|knot| knot.1), u, |a, b, s| a.lerp(b, s));
-        let attitude = pyramid(at, four.map(|knot| knot.2), u, |a, b, s| {
-            a.slerp(b, s).normalize()
-        });
-        Some(Pose::looking_along(eye, attitude * DVec3::Y))
+        // The pyramid: between neighbours, then between those of three knots, then all four.
+        let mix = |a: DVec3, b: DVec3, from: usize, to: usize| {
+            let (from, to) = (four[from].0, four[to].0);
+            a.lerp(b, (u - from) / (to - from))
+        };
+        let one = [0, 1, 2].map(|k| mix(four[k].1, four[k + 1].1, k, k + 1));
+        let two = [0, 1].map(|k| mix(one[k], one[k + 1], k, k + 2));
+        Some(mix(two[0], two[1], 1, 2))
     }
 }
 
-/// The rotation that turns x, y, z into right, forward, up.
-fn attitude_of(pose: &Pose) -> DQuat {
-    DQuat::from_mat3(&DMat3::from_cols(pose.right, pose.forward, pose.up))
-}
-
-/// Barry and Goldman's pyramid: the value at `u` between the second and the third of four knots.
-fn pyramid<T: Copy>(at: [f64; 4], values: [T; 4], u: f64, between: impl Fn(T, T, f64) -> T) -> T {
-    let mix = |a: T, b: T, from: f64, to: f64| between(a, b, (u - from) / (to - from));
-    let first = [0, 1, 2].map(|k| mix(values[k], values[k + 1], at[k], at[k + 1]));
-    let second = [0, 1].map(|k| mix(first[k], first[k + 1], at[k], at[k + 2]));
-    mix(second[0], second[1], at[1], at[2])
+/// Heading of a pose.
+fn heading_of(pose: &Pose) -> f64 {
+    let level = match pose.forward.z.abs() < STEEP {
+        true => pose.forward.truncate(),
+        false => pose.up.truncate() * -pose.forward.z.signum(),
+    };
+    level.y.atan2(level.x)
 }
 
 #[cfg(test)]
@@ -141,7 +149,10 @@ mod tests {
             let turned = three[1].forward.angle_between(three[0].forward) * 240.0;
             assert!(turned < 3.0, "{turned} radians a second at {time}");
             let next = three[2].forward.angle_between(three[1].forward) * 240.0;
-            assert!((next - turned).abs() < 0.15, "the rotation changes from {turned} to {next} at {time}");
+            assert!(
+                (next - turned).abs() < 0.15,
+                "the rotation changes from {turned} to {next} at {time}"
+            );
             assert!(three[0].right.z.abs() < 1e-9, "level at {time}");
         }
     }
