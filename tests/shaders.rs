@@ -135,6 +135,8 @@ fn records_are_laid_out_alike_on_both_sides() {
             "sun" = sun,
             "sun_irradiance" = sun_irradiance,
             "search" = search,
+            "sun_grid" = sun_grid,
+            "sun_axes" = sun_axes,
             "sky_light" = sky_light,
             "wall_light" = wall_light,
             "eye_in_tile" = eye_in_tile,
@@ -156,6 +158,10 @@ fn records_are_laid_out_alike_on_both_sides() {
             "pyramid_nodes" = pyramid_nodes,
             "max_ground" = max_ground,
             "mesh_parts" = mesh_parts,
+            "hidden" = hidden,
+            "sun_levels" = sun_levels,
+            "padding_2" = padding_2,
+            "padding_3" = padding_3,
         ]
     );
     same_layout!(

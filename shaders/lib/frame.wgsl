@@ -13,6 +13,10 @@ struct Frame {
     sun_irradiance: vec4<f32>,
     // How `search.wgsl` searches.
     search: SearchParameters,
+    // The grid of the sun bounds: its centre in plan from the eye, its shear, the side of a cell of the finest level; its axes, towards
+    // the sun and across.
+    sun_grid: vec4<f32>,
+    sun_axes: vec4<f32>,
     // Coefficients of the sky's irradiance (`sky_irradiance`).
     sky_light: array<vec4<f32>, 9>,
     // Irradiance by walls across a street that fill a surface's view; w is 1 where the survey has orthophotos.
@@ -50,7 +54,8 @@ struct Frame {
     mesh_parts: u32,
     // Layers that are not drawn: HIDES_BUILDINGS, HIDES_FACADES, HIDES_IMAGERY.
     hidden: u32,
-    padding_1: u32,
+    // Levels of the sun bounds, 0 = none.
+    sun_levels: u32,
     padding_2: u32,
     padding_3: u32,
 }

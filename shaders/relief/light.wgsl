@@ -101,8 +101,10 @@ fn hides_facades() -> bool { return (frame.hidden & HIDES_FACADES) != 0u; }
 fn sees_sun(start: vec3<f32>, normal: vec3<f32>, to_sun: vec3<f32>) -> bool {
     if to_sun.z <= 0.0 || dot(normal, to_sun) <= 0.0 { return false; }
     let ray = make_ray(start, to_sun);
-    if walk_city(ray, 0.0, FAR).t < FAR { return false; }
-    return walk_ground(ray, 0.0, FAR) >= FAR;
+    let end = clear_from(start, to_sun);
+    if end <= 0.0 { return true; }
+    if walk_city(ray, 0.0, end).t < FAR { return false; }
+    return walk_ground(ray, 0.0, end) >= FAR;
 }
 
 // Reflectance of glass at normal incidence (index 1.52); exponent of its gloss.

@@ -115,6 +115,16 @@ impl Pyramid {
         }
     }
 
+    /// Children along the tile's side of the nodes of a level.
+    pub fn children(&self, level: u32) -> usize {
+        Self::children_across(self.side, level)
+    }
+
+    /// The level of its one top node.
+    pub fn top(&self) -> u32 {
+        Self::top_level(self.side)
+    }
+
     /// The tile's lowest ground, metres.
     pub fn min_height(&self) -> f32 {
         self.low

@@ -31,6 +31,8 @@ pub enum ConstantValue {
     Float(f32),
     /// `vec2<f32>`.
     Float2([f32; 2]),
+    /// `vec4<f32>`.
+    Float4([f32; 4]),
 }
 
 /// A named value that shaders share with Rust.
@@ -43,6 +45,7 @@ impl fmt::Display for ConstantValue {
             Self::Int(value) => write!(f, "{value}i"),
             Self::Float(value) => write!(f, "{value:?}f"),
             Self::Float2([x, y]) => write!(f, "vec2<f32>({x:?}f, {y:?}f)"),
+            Self::Float4([x, y, z, w]) => write!(f, "vec4<f32>({x:?}f, {y:?}f, {z:?}f, {w:?}f)"),
         }
     }
 }

@@ -76,6 +76,8 @@ impl Renderer {
         let projection = request.camera.projection(size);
         self.resident.prepare(&self.gpu, &projection, request.sun)?;
         self.relief.set_sun(&self.gpu, request.sun);
+        self.relief
+            .set_sun_bounds(&self.gpu, &self.resident, request.sun, projection.pose.eye);
         self.bind_resident();
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::pass::Layers;
 use super::search_pass::SEARCH_BAY_M;
+use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
 use crate::material::{FACADE_LAYERS, FacadeBand, MAX_SLOPE, ROOF_M, TILE_SIZE, WALL_GREY};
@@ -52,6 +53,9 @@ pub const CONSTANTS: &[Constant] = &[
     ("MAX_SLOPE", ConstantValue::Float(MAX_SLOPE)),
     ("SEARCH_BAY_M", ConstantValue::Float(SEARCH_BAY_M)),
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
+    ("SUN_CELLS", ConstantValue::Int(SUN_CELLS as i32)),
+    ("SUN_BORDER", ConstantValue::Float(SUN_BORDER as f32)),
+    ("SUN_STEPS", ConstantValue::Float4(SUN_STEPS)),
     ("HIDES_BUILDINGS", ConstantValue::Uint(Layers::HIDDEN_BITS[0])),
     ("HIDES_FACADES", ConstantValue::Uint(Layers::HIDDEN_BITS[1])),
     ("HIDES_IMAGERY", ConstantValue::Uint(Layers::HIDDEN_BITS[2])),

@@ -7,6 +7,7 @@ use super::GridPosition;
 use super::pass::ReliefSettings;
 use super::search_pass::SearchParameters;
 use super::sky_tables::SkyTables;
+use super::sun_bounds_texture::SunBoundsTexture;
 use crate::buildings::Pyramid;
 use crate::scene::Resident;
 use crate::space::{Projection, Sun};
@@ -23,6 +24,8 @@ pub struct FrameUniforms {
     pub sun: Vec4,
     pub sun_irradiance: Vec4,
     pub search: SearchParameters,
+    pub sun_grid: Vec4,
+    pub sun_axes: Vec4,
     pub sky_light: [Vec4; 9],
     pub wall_light: Vec4,
     pub eye_in_tile: [f32; 2],
@@ -45,7 +48,7 @@ pub struct FrameUniforms {
     pub max_ground: f32,
     pub mesh_parts: u32,
     pub hidden: u32,
-    pub padding_1: u32,
+    pub sun_levels: u32,
     pub padding_2: u32,
     pub padding_3: u32,
 }
@@ -55,13 +58,14 @@ impl FrameUniforms {
     pub fn new(
         resident: &Resident,
         projection: &Projection,
-        (sun, sky): (&Sun, &SkyTables),
+        (sun, sky, sun_bounds): (&Sun, &SkyTables, &SunBoundsTexture),
         (sample, settings): (u32, &ReliefSettings),
     ) -> Self {
         let grid = &resident.tiles.grid;
         let pose = &projection.pose;
         let eye = GridPosition::new(grid, pose.eye);
         let tan = projection.tan_half_fov();
+        let ([sun_grid, sun_axes], sun_levels) = sun_bounds.uniforms(pose.eye.truncate());
         let vector = |v: DVec3, w: f64| v.as_vec3().extend(w as f32);
         Self {
             clip_from_eye_relative: projection.clip_from_eye_relative(),
@@ -71,6 +75,8 @@ impl FrameUniforms {
             sun: vector(sun.to_sun, sun.angular_radius),
             sun_irradiance: vector(sun.irradiance, 0.0),
             search: settings.search,
+            sun_grid,
+            sun_axes,
             sky_light: sky.coefficients(),
             wall_light: vector(sky.wall_light(), f64::from(u8::from(resident.has_orthophotos))),
             eye_in_tile: eye.in_tile.to_array(),
@@ -93,7 +99,7 @@ impl FrameUniforms {
             max_ground: resident.tiles.bounds.max_ground - eye.elevation,
             mesh_parts: resident.mesh_parts,
             hidden: settings.layers.hidden(),
-            padding_1: 0,
+            sun_levels,
             padding_2: 0,
             padding_3: 0,
         }

@@ -5,6 +5,7 @@ use wgpu::TextureSampleType::Uint;
 use super::context::{PassContext, pass_number};
 use super::shaders::LIGHT;
 use super::sky_tables::SkyTables;
+use super::sun_bounds_texture::SunBoundsTexture;
 use super::targets::{FAR_COLOR, ReliefTargets};
 use crate::gpu::{
     BySize, FILTERED, FLOAT, Gpu, GpuError, PipelineParameters, SAMPLER, color_target, shader_module,
@@ -21,14 +22,16 @@ pub struct LightPass {
     materials: MaterialTextures,
     /// The sky.
     pub sky: SkyTables,
+    /// Where the sun is seen for sure.
+    pub sun_bounds: SunBoundsTexture,
     input_layout: wgpu::BindGroupLayout,
     input: BySize<wgpu::BindGroup>,
 }
 
 impl LightPass {
     /// Group 2: the ground's distance and normal, the buildings' surface and facade, imagery and its sampler; colours and details of
-    /// the materials, their sampler, the palette; the sky; the ambient pass's rays.
-    pub const INPUT: [wgpu::BindingType; 12] = [
+    /// the materials, their sampler, the palette; the sky; the ambient pass's rays; the sun bounds.
+    pub const INPUT: [wgpu::BindingType; 13] = [
         texture(FLOAT),
         texture(Uint),
         texture(Uint),
@@ -41,6 +44,7 @@ impl LightPass {
         texture(FLOAT),
         texture_array(FILTERED),
         texture(Uint),
+        texture_array(FLOAT),
     ];
 
     /// For the layouts of groups 0 and 1.
@@ -64,6 +68,7 @@ impl LightPass {
             tiling_sampler: gpu.tiling_sampler("materials"),
             materials: MaterialTextures::new(gpu)?,
             sky: SkyTables::new(gpu)?,
+            sun_bounds: SunBoundsTexture::new(gpu)?,
             input_layout,
             input: BySize::default(),
         })
@@ -85,6 +90,7 @@ impl LightPass {
             view(&self.materials.palette),
             view(&self.sky.images.view),
             targets.ambient_rays.binding(),
+            view(&self.sun_bounds.images.view),
         ];
         let layout = &self.input_layout;
         self.input

@@ -26,6 +26,8 @@ mod light_pass;
 mod search_pass;
 mod shaders;
 mod sky_tables;
+mod sun_bounds;
+mod sun_bounds_texture;
 mod sun_visibility;
 mod targets;
 
@@ -44,5 +46,6 @@ pub use pass::{Layers, ReliefMode, ReliefPass, ReliefSettings, ReliefView};
 pub use polygons_pass::{Anchor, PolygonsPass};
 pub use search_pass::{SEARCH_BAY_M, SearchParameters, SearchPass};
 pub use shaders::ALL as SHADERS;
+pub use sun_bounds::SunBounds;
 pub use sun_visibility::sun_seen_from;
 pub use targets::ReliefTargets;

@@ -155,6 +155,11 @@ impl ReliefPass {
         self.shade.sky.set_sun(gpu, sun);
     }
 
+    /// Makes the bounds of a view's sun, unless they are the last ones.
+    pub fn set_sun_bounds(&mut self, gpu: &Gpu, resident: &Resident, sun: &Sun, eye: DVec3) {
+        self.shade.sun_bounds.prepare(gpu, resident, sun, eye.truncate());
+    }
+
     /// Irradiance of level ground by the open sky for the last sun set, linear sRGB.
     pub fn sky_on_level_ground(&self) -> DVec3 {
         self.shade.sky.on_level_ground()
@@ -212,7 +217,12 @@ impl ReliefPass {
         } = *view;
         self.uniforms.write(
             gpu,
-            &FrameUniforms::new(resident, projection, (sun, &self.shade.sky), (sample, &settings)),
+            &FrameUniforms::new(
+                resident,
+                projection,
+                (sun, &self.shade.sky, &self.shade.sun_bounds),
+                (sample, &settings),
+            ),
         );
         let mut context = PassContext {
             gpu,

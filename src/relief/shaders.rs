@@ -107,6 +107,7 @@ pub const LIGHT: ShaderSource = ShaderSource {
         shader_file!("lib/terrain.wgsl"),
         shader_file!("lib/march.wgsl"),
         shader_file!("lib/ground_march.wgsl"),
+        shader_file!("lib/sun_bounds.wgsl"),
         shader_file!("lib/sky.wgsl"),
         shader_file!("lib/random.wgsl"),
         shader_file!("lib/surface_rays.wgsl"),

@@ -4,8 +4,8 @@ use glam::{DVec2, IVec2};
 
 use super::tile_table::{TileTable, level_and_slot};
 use super::{MAPS, TERRAIN};
-use crate::buildings::MapTile;
-use crate::space::TileGrid;
+use crate::buildings::{MapTile, Pyramid};
+use crate::space::{TileGrid, TileId};
 use crate::terrain::{GroundBounds, HeightTile};
 
 /// The ground of a tile as rays walk it.
@@ -26,6 +26,11 @@ pub struct TileSet {
     pub table: TileTable,
     maps: Vec<Option<MapTile>>,
     grounds: Vec<Option<GroundTile>>,
+    /// What stands before the sun, also where no rays are cast.
+    roofs: Vec<Option<Pyramid>>,
+    ground_bounds: Vec<Option<GroundBounds>>,
+    /// The tiles that stand in the table, with their slots, by layer.
+    pub(super) covers: [Vec<(TileId, u32)>; 3],
     /// Bounds of the whole city, metres.
     pub bounds: CityBounds,
 }
@@ -59,6 +64,9 @@ impl TileSet {
             table: TileTable::new(grid),
             maps: Vec::new(),
             grounds: Vec::new(),
+            roofs: Vec::new(),
+            ground_bounds: Vec::new(),
+            covers: [const { Vec::new() }; 3],
             bounds: CityBounds::default(),
         }
     }
@@ -71,6 +79,29 @@ impl TileSet {
     /// Puts ground into its slot; none empties it.
     pub fn put_ground(&mut self, slot: u32, ground: Option<GroundTile>) {
         put(&mut self.grounds, slot, ground);
+    }
+
+    /// Puts the highest roofs of a building map into its slot; none empties it.
+    pub fn put_roofs(&mut self, slot: u32, roofs: Option<Pyramid>) {
+        put(&mut self.roofs, slot, roofs);
+    }
+
+    /// Puts bounds of ground into their slot; none empties it.
+    pub fn put_ground_bounds(&mut self, slot: u32, bounds: Option<GroundBounds>) {
+        put(&mut self.ground_bounds, slot, bounds);
+    }
+
+    /// The tiles that stand in the table: the highest roofs of each building map.
+    pub fn standing_roofs(&self) -> impl Iterator<Item = (TileId, &Pyramid)> {
+        let roofs = |&(id, slot): &(TileId, u32)| Some((id, self.roofs.get(slot as usize)?.as_ref()?));
+        self.covers[MAPS].iter().filter_map(roofs)
+    }
+
+    /// The tiles that stand in the table: the bounds of each one's ground.
+    pub fn standing_ground(&self) -> impl Iterator<Item = (TileId, &GroundBounds)> {
+        let bounds =
+            |&(id, slot): &(TileId, u32)| Some((id, self.ground_bounds.get(slot as usize)?.as_ref()?));
+        self.covers[TERRAIN].iter().filter_map(bounds)
     }
 
     /// Level and map of the tile that stands for a tile of the grid.

@@ -9,6 +9,8 @@ pub struct GroundBounds {
     /// Metres, row by row from the south; level l has `BLOCKS >> l` blocks along a side, down to one. Negative infinity where there
     /// is no ground.
     levels: Vec<Vec<f32>>,
+    /// Steepest slope of each block of level 0, metres a metre; 0 where there is no ground.
+    slopes: Vec<f32>,
 }
 
 impl GroundBounds {
@@ -50,12 +52,42 @@ impl GroundBounds {
                 .collect();
             levels.push(coarser);
         }
-        Self { levels }
+        let step_m = tile.step_m as f32;
+        // The gradient of a bilinear cell is no steeper than its steepest edges together.
+        let cell_slope = |i: usize, j: usize| {
+            let at = |di: usize, dj: usize| tile.heights[(j + dj) * tile.side + i + di];
+            let edge = |a: f32, b: f32| (b - a).abs();
+            let east = edge(at(0, 0), at(1, 0)).max(edge(at(0, 1), at(1, 1)));
+            let north = edge(at(0, 0), at(0, 1)).max(edge(at(1, 0), at(1, 1)));
+            east.hypot(north) / step_m
+        };
+        let slopes = (0..Self::BLOCKS * Self::BLOCKS)
+            .map(|k| {
+                let inner = |block: usize| samples(block).take_while(|&sample| sample < cells);
+                let (columns, rows) = (k % Self::BLOCKS, k / Self::BLOCKS);
+                max(&mut inner(rows)
+                    .flat_map(|j| inner(columns).map(move |i| (i, j)))
+                    .map(|(i, j)| cell_slope(i, j))
+                    .filter(|slope| slope.is_finite()))
+                .max(0.0)
+            })
+            .collect();
+        Self { levels, slopes }
     }
 
     /// A level's blocks, row by row from the south.
     pub fn level(&self, level: u32) -> &[f32] {
         &self.levels[level as usize]
+    }
+
+    /// Steepest slope of a block of level 0, metres a metre.
+    pub fn slope(&self, column: usize, row: usize) -> f32 {
+        self.slopes[row * Self::BLOCKS + column]
+    }
+
+    /// Steepest slope of the tile, metres a metre.
+    pub fn max_slope(&self) -> f32 {
+        self.slopes.iter().copied().fold(0.0, f32::max)
     }
 
     /// Highest ground of a block, metres.

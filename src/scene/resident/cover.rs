@@ -23,9 +23,11 @@ impl Resident {
             }
             let mut cover = Vec::new();
             self.cover(layer, root, &open, &mut cover);
+            self.tiles.covers[layer].clear();
             for id in cover {
                 let slot = self.entries.get(&(layer, id)).and_then(|entry| entry.slot);
                 self.tiles.table.fill(layer, id, table_code(id.level, slot));
+                self.tiles.covers[layer].extend(slot.map(|slot| (id, slot)));
                 if layer == MAPS {
                     let place = slot.map_or(0, |slot| self.maps.record_place(slot));
                     self.tiles.table.fill(MAP_RECORD, id, place);

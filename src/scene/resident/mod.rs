@@ -314,6 +314,11 @@ impl Resident {
         &self.ground_cover
     }
 
+    /// Whether frames go on while tiles come.
+    pub fn streams(&self) -> bool {
+        self.options.streams
+    }
+
     /// Resident tiles of all layers.
     pub fn count(&self) -> usize {
         self.entries.len()

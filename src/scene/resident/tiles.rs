@@ -32,6 +32,7 @@ impl Resident {
                 }
                 let indices: usize = terrain.meshes.iter().map(|mesh| 12 * mesh.len()).sum();
                 let put = self.terrain.put(gpu, id, &terrain, &maxima)?;
+                self.tiles.put_ground_bounds(put.0, Some(maxima.clone()));
                 let ground = GroundTile {
                     heights: terrain.ground,
                     bounds: maxima,
@@ -46,6 +47,7 @@ impl Resident {
                     [bounds.min_ground, bounds.max_roof] = tile.map.height_range;
                 }
                 let put = self.maps.put(gpu, &tile)?;
+                self.tiles.put_roofs(put.slot, Some(tile.pyramid.clone()));
                 if self.options.casts_rays {
                     self.tiles.put_map(put.slot, Some(*tile));
                 }
@@ -77,11 +79,13 @@ impl Resident {
             MAPS => {
                 self.maps.drop(slot);
                 self.tiles.put_map(slot, None);
+                self.tiles.put_roofs(slot, None);
             }
             IMAGERY => self.imagery.layers.free(slot),
             _ => {
                 self.terrain.drop(slot);
                 self.tiles.put_ground(slot, None);
+                self.tiles.put_ground_bounds(slot, None);
             }
         }
         self.is_stale = true;
