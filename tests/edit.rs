@@ -116,7 +116,7 @@ fn edits_end_where_they_should(count: usize) {
                         assert_ne!(history[at], history[at - 1], "{edit:?} changed nothing");
                     }
                     // Moved to where there is no ground or no tile.
-                    Err(CityError::OutsideCity { .. }) => refused += 1,
+                    Err(CityError::OutsideCity { .. } | CityError::NotTaken { .. }) => refused += 1,
                     Err(error) => panic!("{edit:?}: {error}"),
                 }
                 edited += 1;

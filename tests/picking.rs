@@ -5,7 +5,7 @@ mod support;
 
 use std::path::{Path, PathBuf};
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rilievo::camera::Camera;
 use rilievo::city::City;
 use rilievo::gpu::Gpu;

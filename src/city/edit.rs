@@ -245,6 +245,13 @@ impl Editor {
             delete,
             replaces_attributes: true,
         })?;
+        // What has no ground, or is no footprint, is not taken; nothing was written then.
+        let is_taken = update
+            .counts
+            .is_none_or(|[added, changed, _]| added + changed > 0);
+        if is_standing && !is_taken {
+            return Err(CityError::NotTaken { fid: step.fid });
+        }
         Ok(EditReport {
             fid: step.fid,
             is_standing,

@@ -101,6 +101,12 @@ pub enum CityError {
         /// The footprint dataset.
         path: PathBuf,
     },
+    /// A footprint that an edit gives becomes no building.
+    #[error("building {fid}: there is no ground under the outline; draw it where the city has terrain")]
+    NotTaken {
+        /// Its id.
+        fid: u32,
+    },
     /// An outline that is none.
     #[error("building {fid}: the outline crosses itself or encloses nothing; draw it again")]
     WrongOutline {

@@ -96,6 +96,7 @@ fn for_city(error: &CityError) -> Option<String> {
         | CityError::ImportedAnew { .. }
         | CityError::NoHeightField { .. }
         | CityError::WrongOutline { .. }
+        | CityError::NotTaken { .. }
         | CityError::OutsideCity { .. } => return None,
     })
 }

@@ -17,10 +17,10 @@ use crate::viewer::{Clock, ViewerOptions, run as run_viewer};
 /// Flags of `fly`.
 #[derive(Debug, clap::Args)]
 pub struct FlyArgs {
-    /// The city folder.
-    city: PathBuf,
+    /// The city folder, or survey files to import [default: a choice of cities].
+    city: Vec<PathBuf>,
     /// Eye: easting, northing, height in the city's CRS, metres [default: where it was left, or a view of the whole city].
-    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, requires = "look")]
+    #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, requires_all = ["look", "city"])]
     eye: Option<DVec3>,
     /// A point to look at: easting, northing, height.
     #[arg(long, value_parser = super::values::point, allow_hyphen_values = true, requires = "eye")]
@@ -36,7 +36,7 @@ pub struct FlyArgs {
     #[arg(long)]
     time: Option<String>,
     /// A flight to play (`rilievo film`).
-    #[arg(long)]
+    #[arg(long, requires = "city")]
     path: Option<PathBuf>,
     /// Folder for the images and flights that are saved.
     #[arg(long, default_value = ".")]
@@ -52,10 +52,20 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
         super::values::require_folder(path)?;
     }
     silence_gdal();
-    let city = City::open(&args.city)?;
-    let path = (args.path.as_deref())
-        .map(|path| read_path(path, &city))
-        .transpose()?;
+    let files: Vec<PathBuf> = args.city.iter().filter(|path| path.is_file()).cloned().collect();
+    let city = match args.city.as_slice() {
+        [] => None,
+        paths if files.len() == paths.len() => None,
+        [folder] => Some(City::open(folder)?),
+        _ => {
+            let text = "give the folder of one city, or survey files alone";
+            return Err(CommandError::Argument(text.to_owned()));
+        }
+    };
+    let path = match (&args.path, &city) {
+        (Some(path), Some(city)) => Some(read_path(path, city)?),
+        _ => None,
+    };
     let pose = args
         .eye
         .zip(args.look)
@@ -63,22 +73,23 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
     // The optics do not depend on where the camera is.
     let anywhere = Pose::looking_along(DVec3::ZERO, DVec3::Y);
     let camera = args.camera.camera(pose.unwrap_or(anywhere), args.size)?;
-    let place = city.manifest().place;
-    let clock = match &args.time {
-        Some(text) => {
+    let place = city.as_ref().map(|city| city.manifest().place);
+    let clock = match (&args.time, place) {
+        (Some(text), Some(place)) => {
             let wrong = |error: jiff::Error| CommandError::Argument(format!("--time {text}: {error}"));
             let instant: jiff::Timestamp = text.parse().map_err(wrong)?;
             let offset = jiff::fmt::temporal::Pieces::parse(text)
                 .map_err(wrong)?
                 .to_numeric_offset();
-            Clock::new(place, instant, offset)
+            Some(Clock::new(place, instant, offset))
         }
-        None => Clock::midsummer_afternoon(place),
+        _ => None,
     };
     Ok(run_viewer(ViewerOptions {
         flare: args.camera.flare(&camera)?,
         optics: camera.optics,
         city,
+        files,
         pool: PoolOptions {
             streams: true,
             ..args.pool.options(TerrainMesh::Tin)

@@ -26,13 +26,13 @@ pub struct ImportArgs {
     #[arg(long, group = "height")]
     storeys_field: Option<String>,
     /// Height of a storey, metres.
-    #[arg(long, default_value_t = 3.2)]
+    #[arg(long, default_value_t = ImportOptions::STOREY_HEIGHT_M)]
     storey_height: f64,
     /// Field with the roof's elevation above the vertical datum, metres.
     #[arg(long, group = "height")]
     roof_field: Option<String>,
     /// Height of buildings without one, metres.
-    #[arg(long, default_value_t = 6.0)]
+    #[arg(long, default_value_t = ImportOptions::DEFAULT_HEIGHT_M)]
     default_height: f64,
     /// Orthophotos (any format GDAL reads); later ones lie on top.
     #[arg(long = "photo", num_args = 1..)]
@@ -69,16 +69,16 @@ pub struct ImportArgs {
     #[arg(long)]
     keep_steps: bool,
     /// Bound on the terrain mesh's vertical error, metres.
-    #[arg(long, default_value_t = 0.25)]
+    #[arg(long, default_value_t = ImportOptions::TERRAIN_ERROR_M)]
     terrain_error: f64,
     /// Widest hole in the terrain that is filled, metres.
-    #[arg(long, default_value_t = 50.0)]
+    #[arg(long, default_value_t = ImportOptions::FILL_M)]
     fill: f64,
     /// Terrain kept around the buildings, metres.
-    #[arg(long, default_value_t = 2000.0)]
+    #[arg(long, default_value_t = ImportOptions::MARGIN_M)]
     margin: f64,
     /// Side of a building-map texel, metres.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = ImportOptions::TEXEL_M)]
     texel: f64,
     /// Rules that give buildings their facades and roofs [default: facades.toml of the city that is replaced, or the program's own;
     /// the city folder gets a copy to edit].

@@ -1,6 +1,6 @@
 //! The window's life: opened, handed its events, closed.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
@@ -11,6 +11,7 @@ use winit::window::WindowId;
 use super::journal::Journal;
 use super::last_view::remember_view;
 use super::running::Running;
+use super::start::StartScreen;
 use super::{Clock, ViewerError};
 use crate::camera::Optics;
 use crate::city::City;
@@ -20,8 +21,10 @@ use crate::space::Pose;
 
 /// What the window begins with.
 pub struct ViewerOptions {
-    /// The city.
-    pub city: City,
+    /// The city; without one the window begins with a choice of them.
+    pub city: Option<City>,
+    /// Survey files to import, where there is no city yet.
+    pub files: Vec<PathBuf>,
     /// How much of it is held on the device.
     pub pool: PoolOptions,
     /// The first view; without one, that which the city was left with, or one of the whole city.
@@ -30,8 +33,8 @@ pub struct ViewerOptions {
     pub optics: Optics,
     /// What the lens adds.
     pub flare: Option<FlareSettings>,
-    /// Date and time.
-    pub clock: Clock,
+    /// Date and time; without them an afternoon of midsummer.
+    pub clock: Option<Clock>,
     /// A flight to play.
     pub path: Option<FlightPath>,
     /// Pixels of the window.
@@ -54,7 +57,7 @@ pub fn run(options: ViewerOptions) -> Result<(), ViewerError> {
         started: Instant::now(),
         options,
         journal,
-        running: None,
+        stage: Stage::Begin,
         failure: None,
     };
     events
@@ -70,8 +73,18 @@ struct App {
     started: Instant,
     options: ViewerOptions,
     journal: Option<Journal>,
-    running: Option<Running>,
+    stage: Stage,
     failure: Option<ViewerError>,
+}
+
+/// What the window shows.
+enum Stage {
+    /// Nothing yet.
+    Begin,
+    /// A choice of cities.
+    Start(Box<StartScreen>),
+    /// A city.
+    Running(Box<Running>),
 }
 
 impl App {
@@ -82,80 +95,70 @@ impl App {
 
     /// Remembers the view that the city is left with.
     fn leave(&mut self) {
-        if let Some(running) = self.running.take() {
-            remember_view(self.options.city.folder(), running.key());
+        if let (Stage::Running(running), Some(city)) = (&self.stage, &self.options.city) {
+            remember_view(city.folder(), running.key());
         }
+        self.stage = Stage::Begin;
     }
 
-    fn open(&mut self, events: &ActiveEventLoop) {
-        match Running::open(events, &self.options) {
-            Ok(running) => self.running = Some(running),
+    fn open(&mut self, events: &ActiveEventLoop, files: &[PathBuf]) {
+        let opened =
+            match &self.options.city {
+                Some(city) => Running::open(events, city, &self.options)
+                    .map(|running| Stage::Running(Box::new(running))),
+                None => StartScreen::open(events, self.options.size, files)
+                    .map(|start| Stage::Start(Box::new(start))),
+            };
+        match opened {
+            Ok(stage) => self.stage = stage,
             Err(error) => self.fail(events, error),
         }
     }
 
-    /// Shows another city, whose folder was dropped on the window.
-    fn open_city(&mut self, events: &ActiveEventLoop, folder: &std::path::Path) {
+    /// Shows another city; when it is none, says so.
+    fn open_city(&mut self, events: &ActiveEventLoop, folder: &Path) {
         match City::open(folder) {
             Ok(city) => {
                 self.leave();
-                self.options.clock.move_to(city.manifest().place);
-                (self.options.city, self.options.pose, self.options.path) = (city, None, None);
-                self.open(events);
-            }
-            Err(error) => {
-                if let Some(running) = &mut self.running {
-                    running.tell(format!(
-                        "{error}; drop the folder of a city, and import survey files with rilievo import"
-                    ));
+                if let Some(clock) = &mut self.options.clock {
+                    clock.move_to(city.manifest().place);
                 }
+                (self.options.city, self.options.pose, self.options.path) = (Some(city), None, None);
+                self.open(events, &[]);
             }
-        }
-    }
-}
-
-impl ApplicationHandler for App {
-    fn resumed(&mut self, events: &ActiveEventLoop) {
-        if self.running.is_none() {
-            self.open(events);
+            Err(error) => match &mut self.stage {
+                Stage::Start(start) => start.tell(error.to_string()),
+                Stage::Running(running) => running.tell(error.to_string()),
+                Stage::Begin => {}
+            },
         }
     }
 
-    fn window_event(&mut self, events: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
-        let Some(running) = &mut self.running else { return };
-        if running.screen.window.id() != window {
+    /// Something was dropped on the window: a city, or a survey file to import.
+    fn on_drop(&mut self, events: &ActiveEventLoop, path: &Path) {
+        if path.join("city.toml").is_file() {
+            return self.open_city(events, path);
+        }
+        if let Stage::Start(start) = &mut self.stage {
+            return start.drop_file(path);
+        }
+        self.leave();
+        self.options.city = None;
+        self.open(events, &[path.to_owned()]);
+    }
+
+    /// Looks whether the city was updated, and has it follow.
+    fn check(&mut self) {
+        let (Stage::Running(running), Some(city)) = (&mut self.stage, &mut self.options.city) else {
             return;
-        }
-        match event {
-            WindowEvent::CloseRequested => events.exit(),
-            WindowEvent::DroppedFile(path) => self.open_city(events, &path),
-            WindowEvent::RedrawRequested => {
-                let drawn = running.draw();
-                let written = drawn.and_then(|is_new| match &mut self.journal {
-                    Some(journal) if is_new => journal.write(&running.record(self.started)),
-                    _ => Ok(()),
-                });
-                if let Err(error) = written {
-                    self.fail(events, error);
-                }
-            }
-            event => {
-                if running.on_event(&event) {
-                    events.exit();
-                }
-            }
-        }
-    }
-
-    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let Some(running) = &mut self.running else { return };
+        };
         if running.last_check.elapsed() >= CHECK_INTERVAL {
             running.last_check = Instant::now();
             // What cannot be read just now is looked at again.
-            match self.options.city.updated() {
+            match city.updated() {
                 Ok(None) => {}
                 Ok(Some(newer)) => match running.follow(&newer) {
-                    Ok(()) => self.options.city = newer,
+                    Ok(()) => *city = newer,
                     Err(error) => running.tell(error.to_string()),
                 },
                 Err(error) => running.tell(error.to_string()),
@@ -163,10 +166,65 @@ impl ApplicationHandler for App {
             running.take_over_edits();
         }
         running.take_outcomes();
-        if running.wants_frame() {
-            running.screen.window.request_redraw();
+    }
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if let Stage::Begin = self.stage {
+            let files = std::mem::take(&mut self.options.files);
+            self.open(events, &files);
         }
-        events.set_control_flow(ControlFlow::WaitUntil(running.wakes_at(CHECK_INTERVAL)));
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested => return events.exit(),
+            WindowEvent::DroppedFile(path) => return self.on_drop(events, &path),
+            _ => {}
+        }
+        let wanted = match &mut self.stage {
+            Stage::Start(start) if start.is(window) => start.on_event(&event),
+            Stage::Running(running) if running.screen.window.id() == window => {
+                if let WindowEvent::RedrawRequested = event {
+                    let drawn = running.draw();
+                    let written = drawn.and_then(|is_new| match &mut self.journal {
+                        Some(journal) if is_new => journal.write(&running.record(self.started)),
+                        _ => Ok(()),
+                    });
+                    if let Err(error) = written {
+                        self.fail(events, error);
+                    }
+                } else if running.on_event(&event) {
+                    events.exit();
+                }
+                None
+            }
+            _ => None,
+        };
+        if let Some(city) = wanted {
+            self.open_city(events, &city);
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        self.check();
+        let wakes = match &mut self.stage {
+            Stage::Running(running) => {
+                if running.wants_frame() {
+                    running.screen.window.request_redraw();
+                }
+                running.wakes_at(CHECK_INTERVAL)
+            }
+            Stage::Start(start) => {
+                if start.is_busy() {
+                    start.redraw();
+                }
+                Instant::now() + CHECK_INTERVAL
+            }
+            Stage::Begin => Instant::now() + CHECK_INTERVAL,
+        };
+        events.set_control_flow(ControlFlow::WaitUntil(wakes));
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {

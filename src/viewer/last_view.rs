@@ -2,22 +2,54 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
 
 use crate::output::PathKey;
 
-/// Views by the city's folder.
-type Views = BTreeMap<String, PathKey>;
+/// How a city was left.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Left {
+    view: PathKey,
+    /// Seconds since 1970.
+    at_s: u64,
+}
+
+/// By the city's folder.
+type Views = BTreeMap<String, Left>;
 
 /// Cities remembered.
 const MAX_CITIES: usize = 200;
 
-/// The file: in `XDG_STATE_HOME`, or `.local/state` of the home folder.
-fn file() -> Option<PathBuf> {
-    let state = std::env::var_os("XDG_STATE_HOME")
+/// A folder of the user's: what a variable names, or one of the home folder.
+fn user_folder(variable: &str, in_home: &str) -> Option<PathBuf> {
+    let named = std::env::var_os(variable)
         .map(PathBuf::from)
         .filter(|path| path.is_absolute());
-    let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/state"));
-    Some(state.or_else(home)?.join("rilievo").join("views.json"))
+    let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(in_home));
+    Some(named.or_else(home)?.join("rilievo"))
+}
+
+/// Where cities that the program makes by itself go.
+pub fn data_folder() -> Option<PathBuf> {
+    user_folder("XDG_DATA_HOME", ".local/share")
+}
+
+fn file() -> Option<PathBuf> {
+    Some(user_folder("XDG_STATE_HOME", ".local/state")?.join("views.json"))
+}
+
+/// The cities opened before, the last first.
+pub fn recent_cities() -> Vec<PathBuf> {
+    let views = file().map(|path| read(&path)).unwrap_or_default();
+    let mut cities: Vec<(u64, PathBuf)> = views
+        .into_iter()
+        .map(|(city, left)| (left.at_s, PathBuf::from(city)))
+        .filter(|(_, city)| city.join("city.toml").is_file())
+        .collect();
+    cities.sort_by(|a, b| b.cmp(a));
+    cities.into_iter().map(|(_, city)| city).collect()
 }
 
 fn read(path: &Path) -> Views {
@@ -32,7 +64,7 @@ fn name(city: &Path) -> String {
 
 /// The view that a city was left with.
 pub fn last_view(city: &Path) -> Option<PathKey> {
-    let view = read(&file()?).remove(&name(city))?;
+    let view = read(&file()?).remove(&name(city))?.view;
     let numbers = view.eye.iter().chain(&view.look);
     (numbers.into_iter().all(|value| value.is_finite()) && view.eye != view.look).then_some(view)
 }
@@ -45,7 +77,9 @@ pub fn remember_view(city: &Path, view: PathKey) {
         // Those whose folders are gone make room.
         views.retain(|city, _| Path::new(city).is_dir());
     }
-    views.insert(name(city), view);
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let at_s = now.map_or(0, |now| now.as_secs());
+    views.insert(name(city), Left { view, at_s });
     let Ok(text) = serde_json::to_string_pretty(&views) else {
         return;
     };

@@ -5,7 +5,7 @@
 //!                         ├▶ pointer ─▶ tools ────────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (image, overlay)
 //!                         └▶ panels ─▶ actions ───────┘
 //!                                        └▶ editing (a thread) ─▶ city::Editor ─▶ the city folder, which the window follows
-//! `running` is the open window; `pace` its resolution while the camera moves and its samples while it rests.
+//! `start` is the window before a city is open, `running` the open one; `pace` its resolution while the camera moves and its samples while it rests.
 //! ```
 
 mod actions;
@@ -29,6 +29,7 @@ mod recorder;
 mod running;
 mod scene_state;
 mod screen;
+mod start;
 mod tools;
 
 pub use app::{ViewerOptions, run};

@@ -21,7 +21,7 @@ use super::recorder::Recorder;
 use super::scene_state::{SceneState, first_pose, lenses};
 use super::screen::Screen;
 use super::tools::paint_marks;
-use super::{Navigator, Pace, ViewerError};
+use super::{Clock, Navigator, Pace, ViewerError};
 use crate::camera::lens::Lens;
 use crate::city::City;
 use crate::gpu::Gpu;
@@ -68,10 +68,14 @@ const COUNTED_RAYS: [u32; 2] = [32, 18];
 
 impl Running {
     /// Opens the window.
-    pub(super) fn open(events: &ActiveEventLoop, options: &ViewerOptions) -> Result<Self, ViewerError> {
+    pub(super) fn open(
+        events: &ActiveEventLoop,
+        city: &City,
+        options: &ViewerOptions,
+    ) -> Result<Self, ViewerError> {
         let no_window = |why: String| ViewerError::NoWindow { why };
         let [width, height] = options.size;
-        let manifest = options.city.manifest();
+        let manifest = city.manifest();
         let attributes = Window::default_attributes()
             .with_title(format!("{} - Rilievo", manifest.name))
             .with_inner_size(PhysicalSize::new(width, height));
@@ -82,9 +86,9 @@ impl Running {
         let (gpu, surface, configuration) =
             Gpu::open_for_window(Arc::clone(&window)).map_err(RenderError::from)?;
         let screen = Screen::new(&gpu, window, surface, configuration);
-        let renderer = Renderer::open(gpu, &options.city, options.pool)?;
+        let renderer = Renderer::open(gpu, city, options.pool)?;
         let tiles = &renderer.resident.tiles;
-        let left_with = || last_view(options.city.folder()).map(|view| view.pose());
+        let left_with = || last_view(city.folder()).map(|view| view.pose());
         let pose = options
             .pose
             .or_else(left_with)
@@ -94,7 +98,10 @@ impl Running {
             navigator,
             options.optics.clone(),
             options.flare.clone(),
-            options.clock.clone(),
+            options
+                .clock
+                .clone()
+                .unwrap_or_else(|| Clock::midsummer_afternoon(manifest.place)),
         )?;
         let interface = Interface {
             recorder: Recorder::new(options.path.clone().unwrap_or_default()),
@@ -104,10 +111,10 @@ impl Running {
         Ok(Self {
             // Without a way to the globe there are no degrees.
             places: Places::new(&manifest.crs, manifest.grid.bounds()).ok(),
-            editing: Editing::new(options.city.folder()),
+            editing: Editing::new(city.folder()),
             edited: None,
             taken_over: None,
-            city: options.city.clone(),
+            city: city.clone(),
             screen,
             renderer,
             state,
@@ -269,7 +276,7 @@ impl Running {
             self.paint_panels()?;
         }
         if let Some(view) = &self.shown {
-            self.screen.draw(&self.renderer.gpu, view);
+            self.screen.draw(&self.renderer.gpu, Some(view));
         }
         // The panels are painted now and then only.
         if !is_due {

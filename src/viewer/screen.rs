@@ -8,6 +8,14 @@ use super::blit::Blit;
 use super::overlay::Overlay;
 use crate::gpu::{Gpu, color_target};
 
+/// Where no image is shown.
+const GROUND: wgpu::Color = wgpu::Color {
+    r: 0.05,
+    g: 0.07,
+    b: 0.10,
+    a: 1.0,
+};
+
 /// A window and what is shown on it.
 pub struct Screen {
     /// The window.
@@ -50,10 +58,12 @@ impl Screen {
         self.surface.configure(&gpu.device, &self.configuration);
     }
 
-    /// Shows an image over the whole window, and the panel over it.
-    pub fn draw(&mut self, gpu: &Gpu, image: &wgpu::TextureView) {
+    /// Shows an image over the whole window, and the panel over it; without an image a plain ground.
+    pub fn draw(&mut self, gpu: &Gpu, image: Option<&wgpu::TextureView>) {
         let size = self.size();
-        self.blit.bind(gpu, image, size);
+        if let Some(image) = image {
+            self.blit.bind(gpu, image, size);
+        }
         self.overlay.bind(gpu, size);
         let surface = match self.surface.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(texture)
@@ -76,13 +86,15 @@ impl Screen {
                     depth_slice: None,
                     resolve_target: None,
                     ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        load: wgpu::LoadOp::Clear(GROUND),
                         store: wgpu::StoreOp::Store,
                     },
                 })],
                 ..Default::default()
             });
-            self.blit.draw(&mut pass);
+            if image.is_some() {
+                self.blit.draw(&mut pass);
+            }
             self.overlay.draw(&mut pass);
         }
         gpu.queue.submit([encoder.finish()]);

@@ -52,6 +52,47 @@ pub struct ImportOptions {
     pub out: PathBuf,
 }
 
+impl ImportOptions {
+    /// Height of a storey, metres.
+    pub const STOREY_HEIGHT_M: f64 = 3.2;
+    /// Height of buildings without one, metres.
+    pub const DEFAULT_HEIGHT_M: f64 = 6.0;
+    /// Bound on the terrain mesh's error, metres.
+    pub const TERRAIN_ERROR_M: f64 = 0.25;
+    /// Widest hole in the terrain that is filled, metres.
+    pub const FILL_M: f64 = 50.0;
+    /// Terrain kept around the buildings, metres.
+    pub const MARGIN_M: f64 = 2000.0;
+    /// Side of a building-map texel, metres.
+    pub const TEXEL_M: f64 = 1.0;
+
+    /// Of some files, with all else as it is unless somebody says otherwise.
+    pub fn new(terrain: Vec<PathBuf>, buildings: PathBuf, out: PathBuf) -> Self {
+        Self {
+            terrain,
+            buildings,
+            layer: None,
+            height_rule: None,
+            storey_height_m: Self::STOREY_HEIGHT_M,
+            default_height_m: Self::DEFAULT_HEIGHT_M,
+            imagery: Vec::new(),
+            crs: None,
+            terrain_crs: None,
+            buildings_crs: None,
+            imagery_crs: None,
+            terrain_unit_m: None,
+            keep_steps: false,
+            terrain_error_m: Self::TERRAIN_ERROR_M,
+            fill_m: Self::FILL_M,
+            margin_m: Self::MARGIN_M,
+            texel_m: Self::TEXEL_M,
+            plan: PlanFiles::default(),
+            facades: None,
+            out,
+        }
+    }
+}
+
 /// The old city is replaced whole: a source inside it would be lost.
 pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
     let Ok(out) = std::fs::canonicalize(&options.out) else {

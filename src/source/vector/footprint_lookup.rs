@@ -92,6 +92,23 @@ impl FootprintSource {
         Ok(last.and_then(|last| u32::try_from(last).ok()).unwrap_or(0))
     }
 
+    /// The layer's name, and how many features it has.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn layer_size(&self) -> Result<(String, u64), SourceError> {
+        let layer = self.layer()?;
+        Ok((layer.name(), layer.feature_count()))
+    }
+
+    /// Whether the file itself names the CRS of its coordinates.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn names_crs(&self) -> Result<bool, SourceError> {
+        Ok(self.is_cityjson || self.layer()?.spatial_ref().is_some())
+    }
+
     /// Whether there is an attribute of a name.
     ///
     /// # Errors
