@@ -8,6 +8,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use rilievo::city::City;
+use rilievo::source::read_track;
+use rilievo::space::Crs;
 use support::{PROGRAM, rilievo, succeed};
 
 /// Down from an oblique view into a street, as the day ends.
@@ -213,4 +216,55 @@ fn what_is_no_flight_is_refused() {
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("mine.txt"));
     assert_eq!(fs::read_to_string(out.join("mine.txt")).unwrap(), "mine");
+}
+
+/// Tracks of GPX and KML: where they are, how high and when, and nothing that they do not say.
+#[test]
+fn tracks_are_read_as_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let crs = City::open(&support::sample().join("city"))
+        .unwrap()
+        .manifest()
+        .crs
+        .clone();
+    let crs = Crs::from_text(&crs).unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let points: Vec<String> = (0..5)
+        .map(|k| {
+            let (lat, lon) = (43.076 + 0.001 * f64::from(k), 12.404 + 0.001 * f64::from(k));
+            format!(
+                r#"<trkpt lat="{lat}" lon="{lon}"><time>2026-06-21T10:00:{:02}Z</time></trkpt>"#,
+                8 * k
+            )
+        })
+        .collect();
+    let gpx = |inside: &str| {
+        format!(
+            r#"<?xml version="1.0"?><gpx version="1.1" creator="t" xmlns="http://www.topografix.com/GPX/1/1">{inside}</gpx>"#
+        )
+    };
+    let track = gpx(&format!("<trk><trkseg>{}</trkseg></trk>", points.concat()));
+    let track = read_track(&write("a.gpx", &track), &crs).unwrap();
+    assert_eq!(track.len(), 5);
+    for (k, pair) in track.windows(2).enumerate() {
+        // A thousandth of a degree of latitude is 111 m, of longitude at 43 degrees 81 m.
+        let step = pair[1].position - pair[0].position;
+        assert!((step.length() - 137.6).abs() < 1.5, "{k}: {step}");
+        assert_eq!(pair[1].time_s.unwrap() - pair[0].time_s.unwrap(), 8.0);
+        assert_eq!(pair[0].elevation_m, None, "the file says no elevation");
+    }
+    let kml = r#"<?xml version="1.0" encoding="UTF-8"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark>
+        <LineString><coordinates>12.404,43.076,350 12.405,43.077,340 12.406,43.078,330</coordinates></LineString></Placemark></Document></kml>"#;
+    let line = read_track(&write("a.kml", kml), &crs).unwrap();
+    assert_eq!(
+        line.iter().map(|point| point.elevation_m).collect::<Vec<_>>(),
+        [Some(350.0), Some(340.0), Some(330.0)]
+    );
+    assert!(line[0].position.distance(track[0].position) < 0.01 && line[0].time_s.is_none());
+    let empty = read_track(&write("b.gpx", &gpx("")), &crs);
+    assert!(empty.is_err_and(|error| error.to_string().contains("b.gpx") && error.to_string().contains("no track")));
 }

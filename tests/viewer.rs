@@ -15,6 +15,7 @@ use rilievo::gpu::Gpu;
 use rilievo::output::Renderer;
 use rilievo::relief::pick;
 use rilievo::scene::{TerrainMesh, TileSet};
+use rilievo::source::{SurveyKind, identify};
 use rilievo::space::{Pose, Projection};
 use rilievo::viewer::{Cursor, Navigator};
 use serde_json::Value;
@@ -465,6 +466,59 @@ fn an_open_window_shows_an_update() {
     });
     println!("shown {:?} after the update", begun.elapsed());
     assert_eq!(viewer.close(), Some(0));
+}
+
+/// Without a city there is a window as well: it looks into survey files, and closes by its key.
+#[test]
+fn a_window_without_a_city_looks_into_survey_files() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let files = support::sample().join("files");
+    let mut program = Command::new(support::PROGRAM)
+        .arg("fly")
+        .args([files.join("terrain.tif"), files.join("buildings.gpkg")])
+        .env("DISPLAY", &display.name)
+        .env("XDG_STATE_HOME", folder.path())
+        .env_remove("WAYLAND_DISPLAY")
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    let mut window = String::new();
+    while window.is_empty() && begun.elapsed() < Duration::from_secs(60) {
+        assert!(program.try_wait().unwrap().is_none(), "the program ended");
+        std::thread::sleep(Duration::from_millis(100));
+        window = display.xdotool(&["search", "--name", "Rilievo"]);
+    }
+    std::thread::sleep(Duration::from_millis(800));
+    display.xdotool(&["windowfocus", "--sync", &window]);
+    display.xdotool(&["key", "Escape"]);
+    while program.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(90) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let status = program.try_wait().unwrap();
+    let _ = program.kill();
+    assert_eq!(status.and_then(|status| status.code()), Some(0));
+}
+
+/// What is told of survey files before they are imported.
+#[test]
+fn survey_files_are_told_apart() {
+    let files = support::sample().join("files");
+    let told = |name: &str| identify(&files.join(name)).unwrap();
+    let terrain = told("terrain.tif");
+    assert_eq!(terrain.kind, SurveyKind::Terrain);
+    assert!(terrain.crs.is_some_and(|crs| crs.contains("EPSG")));
+    let buildings = told("buildings.gpkg");
+    assert_eq!(buildings.kind, SurveyKind::Footprints);
+    assert!(
+        buildings.holds.iter().any(|line| line.contains("height_m")),
+        "{:?}",
+        buildings.holds
+    );
+    assert_eq!(told("photo_0_0.tif").kind, SurveyKind::Imagery);
+    let other = tempfile::NamedTempFile::new().unwrap();
+    assert!(identify(other.path()).is_err());
 }
 
 /// Without a display the reason is said, with status 1.

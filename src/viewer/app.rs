@@ -217,6 +217,9 @@ impl ApplicationHandler for App {
                 running.wakes_at(CHECK_INTERVAL)
             }
             Stage::Start(start) => {
+                if start.is_closed {
+                    events.exit();
+                }
                 if start.is_busy() {
                     start.redraw();
                 }

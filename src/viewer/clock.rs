@@ -45,7 +45,8 @@ impl Clock {
     pub fn midsummer_afternoon(place: Place) -> Self {
         let offset = zone_of(place.longitude_deg);
         let year = Timestamp::now().to_zoned(TimeZone::fixed(offset)).year();
-        let local = Date::new(year, 6, 21).map(|date| date.at(16, 0, 0, 0));
+        let month = if place.latitude_deg < 0.0 { 12 } else { 6 };
+        let local = Date::new(year, month, 21).map(|date| date.at(16, 0, 0, 0));
         let instant = local
             .and_then(|local| TimeZone::fixed(offset).to_timestamp(local))
             .unwrap_or_default();

@@ -5,6 +5,7 @@ use std::path::Path;
 use gdal::vector::{Geometry, LayerAccess, OGRwkbGeometryType, geometry_type_flatten};
 use glam::DVec2;
 
+use super::feature::column_text;
 use super::footprint_source::open_vector;
 use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
 use crate::space::{Crs, PointTransform};
@@ -57,8 +58,14 @@ pub fn read_track(path: &Path, city: &Crs) -> Result<Vec<TrackPoint>, SourceErro
             let mut vertices = Vec::new();
             collect(geometry, &mut vertices);
             let is_line = vertices.len() > 1;
-            let said = elevation.and_then(|index| feature.field_as_double(index).ok().flatten());
-            let instant = time.and_then(|index| feature.field_as_datetime(index).ok().flatten());
+            // A field that is not set reads as 0.
+            let is_set = |index: &usize| column_text(&feature, *index).is_some();
+            let said = elevation
+                .filter(is_set)
+                .and_then(|index| feature.field_as_double(index).ok().flatten());
+            let instant = time
+                .filter(is_set)
+                .and_then(|index| feature.field_as_datetime(index).ok().flatten());
             for [x, y, z] in vertices {
                 if let Some(position) = to_city.point(DVec2::new(x, y)) {
                     track.push(TrackPoint {

@@ -11,6 +11,7 @@ use job::Job;
 use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
+use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::Window;
 
 use super::ViewerError;
@@ -27,6 +28,8 @@ pub struct StartScreen {
     form: ImportForm,
     job: Option<Job>,
     message: String,
+    /// Whether the user closed it.
+    pub is_closed: bool,
 }
 
 /// What the user wants.
@@ -61,6 +64,7 @@ impl StartScreen {
             form: ImportForm::default(),
             job: None,
             message: String::new(),
+            is_closed: false,
         };
         for file in files {
             start.drop_file(file);
@@ -97,6 +101,11 @@ impl StartScreen {
         match event {
             WindowEvent::Resized(size) => self.screen.resize(&self.gpu, [size.width, size.height]),
             WindowEvent::RedrawRequested => return self.draw(),
+            WindowEvent::KeyboardInput { event, .. }
+                if event.physical_key == PhysicalKey::Code(KeyCode::Escape) =>
+            {
+                self.is_closed = true;
+            }
             _ => {}
         }
         self.screen.window.request_redraw();

@@ -27,7 +27,7 @@ const TOLERANCE: [f64; 2] = [0.25, 0.003];
 const WIDTH: f32 = 2.0;
 const DOT_RADIUS: f32 = 4.0;
 /// Opacity of what is hidden.
-const FAINT: f32 = 0.4;
+const FAINT: f32 = 0.6;
 
 /// A line, with a dot on every point.
 pub fn line_mark(points: Vec<DVec3>, colour: egui::Color32) -> Mark {
