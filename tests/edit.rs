@@ -174,3 +174,41 @@ fn what_is_no_outline_is_refused_and_changes_nothing() {
     assert_eq!(editor.depth(), [0, 0]);
     assert!(before == (records(&path.join("buildings.gpkg")), tiles(&path)));
 }
+
+/// What another program writes into the dataset is taken over by what differs from the copy kept, and ends like a fresh import.
+#[test]
+fn edits_of_another_program_are_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = copied(folder.path());
+    let dataset = path.join("buildings.gpkg");
+    let mut editor = Editor::new(&path, folder.path().join("edits"));
+    editor.keep_known().unwrap();
+    let before = records(&dataset);
+    let fids: Vec<u64> = before.keys().copied().collect();
+    let edit = |sql: &str| {
+        let options = gdal::DatasetOptions {
+            open_flags: gdal::GdalOpenFlags::GDAL_OF_VECTOR | gdal::GdalOpenFlags::GDAL_OF_UPDATE,
+            ..gdal::DatasetOptions::default()
+        };
+        let file = gdal::Dataset::open_ex(&dataset, options).unwrap();
+        file.execute_sql(sql, None, gdal::vector::sql::Dialect::DEFAULT)
+            .unwrap();
+        file.close().unwrap();
+    };
+    // Later than the tiles, also where the clock is coarse.
+    std::thread::sleep(std::time::Duration::from_millis(1100));
+    edit(&format!(
+        "UPDATE buildings SET height_m = 42.5 WHERE fid = {}",
+        fids[100]
+    ));
+    edit(&format!("DELETE FROM buildings WHERE fid = {}", fids[200]));
+    edit(&format!(
+        "INSERT INTO buildings (fid, geom, height_m) SELECT 900000, geom, 77 FROM buildings WHERE fid = {}",
+        fids[300]
+    ));
+    let report = editor.take_over().unwrap();
+    assert_eq!(report.manifest.generation, 1);
+    assert_eq!(report.footprints.read, 2, "only what differs is read");
+    assert_eq!(report.manifest.buildings, before.len() as u64);
+    is_a_fresh_import(&path, folder.path());
+}

@@ -81,6 +81,8 @@ pub struct Editor {
     serial: u64,
     done: Vec<Step>,
     undone: Vec<Step>,
+    /// A copy of the footprint dataset as the tiles of a generation show it.
+    known: Option<(u64, PathBuf)>,
 }
 
 impl Editor {
@@ -92,6 +94,7 @@ impl Editor {
             serial: 0,
             done: Vec::new(),
             undone: Vec::new(),
+            known: None,
         }
     }
 
@@ -142,15 +145,41 @@ impl Editor {
     ///
     /// # Errors
     /// When it cannot be read: the city is as before.
-    pub fn take_over(&self) -> Result<UpdateReport, CityError> {
+    pub fn take_over(&mut self) -> Result<UpdateReport, CityError> {
+        let generation = City::open(&self.city)?.manifest().generation;
+        let known = self.known.as_ref().filter(|(of, _)| *of == generation);
         update(&UpdateOptions {
             city: self.city.clone(),
             buildings: None,
             layer: None,
             crs: None,
             delete: Vec::new(),
+            known: known.map(|(_, path)| path.clone()),
             replaces_attributes: true,
         })
+    }
+
+    /// Keeps a copy of the footprint dataset while the tiles show it: what others edit in it is found by it at once. Cheap when there
+    /// is one of this state already.
+    ///
+    /// # Errors
+    /// When the copy cannot be made: all footprints are compared then.
+    pub fn keep_known(&mut self) -> Result<(), CityError> {
+        let city = City::open(&self.city)?;
+        let generation = city.manifest().generation;
+        let is_kept = self.known.as_ref().is_some_and(|(of, _)| *of == generation);
+        if is_kept || city.edited_dataset().is_some() {
+            return Ok(());
+        }
+        self.known = None;
+        fs::create_dir_all(&self.scratch).map_err(CityError::file(&self.scratch))?;
+        let path = self.scratch.join("known.gpkg");
+        fs::copy(city.footprint_dataset_path(), &path).map_err(CityError::file(&path))?;
+        // Unless it was edited meanwhile.
+        if City::open(&self.city)?.manifest().generation == generation && city.edited_dataset().is_none() {
+            self.known = Some((generation, path));
+        }
+        Ok(())
     }
 
     /// The datasets of an edit.
@@ -243,6 +272,7 @@ impl Editor {
             layer: None,
             crs: None,
             delete,
+            known: None,
             replaces_attributes: true,
         })?;
         // What has no ground, or is no footprint, is not taken; nothing was written then.

@@ -40,6 +40,7 @@ pub fn run(args: UpdateArgs) -> Result<(), CommandError> {
         layer: args.layer,
         crs: args.buildings_crs,
         delete: args.delete,
+        known: None,
         replaces_attributes: false,
     })?;
     let milliseconds = begun.elapsed().as_secs_f64() * 1e3;

@@ -1,7 +1,8 @@
 //! Edits beside the window: a thread makes them one after the other, and the window goes on.
 
 use std::path::Path;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
 
 use crate::city::{Edit, EditReport, Editor};
 
@@ -39,6 +40,9 @@ pub struct Editing {
     pub depth: [usize; 2],
 }
 
+/// So long after the last command the thread looks after its copy of the dataset.
+const IDLE: Duration = Duration::from_millis(1500);
+
 impl Editing {
     /// For a city.
     pub fn new(city: &Path) -> Self {
@@ -47,9 +51,16 @@ impl Editing {
         let scratch = std::env::temp_dir().join(format!("rilievo-edits-{}", std::process::id()));
         let mut editor = Editor::new(city, scratch);
         std::thread::spawn(move || {
-            for command in queue {
-                if answers.send(outcome_of(&mut editor, &command)).is_err() {
-                    break;
+            loop {
+                match queue.recv_timeout(IDLE) {
+                    Ok(command) => {
+                        if answers.send(outcome_of(&mut editor, &command)).is_err() {
+                            break;
+                        }
+                    }
+                    // Without the copy edits of others only take longer.
+                    Err(RecvTimeoutError::Timeout) => drop(editor.keep_known()),
+                    Err(RecvTimeoutError::Disconnected) => break,
                 }
             }
         });

@@ -227,6 +227,65 @@ pub fn from_file(
     }
 
     require_inside(city, &before, &after)?;
+    let added = after.iter().filter(|building| !is_known(building.fid)).count() as u64;
+    let left = manifest.buildings + added;
+    if left <= deleted.len() as u64 {
+        return Err(CityError::NoBuildings {
+            path: city.footprint_dataset_path(),
+            rejected: "all would be deleted".to_owned(),
+        });
+    }
+    Ok(Changes {
+        changes_dataset: !after.is_empty(),
+        counts: Some([added, after.len() as u64 - added, deleted.len() as u64]),
+        buildings: left - deleted.len() as u64,
+        deleted: deleted.into_iter().collect(),
+        ..replacing(place, (&before, &read_before), (after, read), &named)?
+    })
+}
+
+/// The most footprints that are compared one by one; more are compared with all others.
+const MAX_DIFFERENCES: usize = 2000;
+
+/// What the edited dataset says otherwise than `known`, the copy of it that the tiles show. None where that is much, or the dataset is
+/// to be repaired as well.
+pub fn by_difference(place: &UpdateContext<'_>, known: &Path) -> Result<Option<Changes>, CityError> {
+    let dataset = place.city.footprint_dataset()?;
+    let [changed, removed] = dataset.differing(known)?;
+    if changed.len() + removed.len() > MAX_DIFFERENCES {
+        return Ok(None);
+    }
+    let known = FootprintSource::open_footprint_dataset(known, None)?.require_ids()?;
+    let named: BTreeSet<u32> = changed.iter().chain(&removed).copied().collect();
+    let fids: Vec<u32> = named.iter().copied().collect();
+    let before = read_buildings(place, &known, Selection::Fids(&fids), |_| {})?;
+    let mut is_as_stored = true;
+    let after = read_buildings(place, &dataset, Selection::Fids(&changed), |footprint| {
+        is_as_stored &= footprint.is_as_stored;
+    })?;
+    let manifest = place.city.manifest();
+    let buildings = (manifest.buildings + after.0.len() as u64).saturating_sub(before.0.len() as u64);
+    if !is_as_stored || buildings == 0 {
+        return Ok(None);
+    }
+    Ok(Some(Changes {
+        changes_dataset: false,
+        counts: None,
+        buildings,
+        deleted: Vec::new(),
+        ..replacing(place, (&before.0, &before.1), after, &named)?
+    }))
+}
+
+/// The tiles and figures of a city in which some buildings become others. `named`: the ids of all of them.
+fn replacing(
+    place: &UpdateContext<'_>,
+    (before, read_before): (&[Building], &FootprintReport),
+    (after, read): (Vec<Building>, FootprintReport),
+    named: &BTreeSet<u32>,
+) -> Result<Changes, CityError> {
+    let manifest = place.city.manifest();
+    let dataset = place.city.footprint_dataset()?;
     let touched: BTreeSet<TileId> = before
         .iter()
         .chain(&after)
@@ -246,16 +305,7 @@ pub fn from_file(
     buildings.sort_by_key(|building| building.fid);
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
     let (tiles, _) = changed_tiles(place, &ids, &by_tile)?;
-    let parents = changed_parents(city, &tiles)?;
-
-    let added = after.iter().filter(|building| !is_known(building.fid)).count() as u64;
-    let left = manifest.buildings + added;
-    if left <= deleted.len() as u64 {
-        return Err(CityError::NoBuildings {
-            path: city.footprint_dataset_path(),
-            rejected: "all would be deleted".to_owned(),
-        });
-    }
+    let parents = changed_parents(place.city, &tiles)?;
     let bytes = |buildings: &[Building]| -> u64 {
         buildings
             .iter()
@@ -266,13 +316,13 @@ pub fn from_file(
         tiles,
         parents,
         totals: None,
-        changes_dataset: !after.is_empty(),
-        counts: Some([added, after.len() as u64 - added, deleted.len() as u64]),
-        buildings: left - deleted.len() as u64,
-        triangle_bytes: (manifest.triangle_bytes + bytes(&after)).saturating_sub(bytes(&before)),
-        report: manifest.footprints.replaced(&read_before, &read),
+        changes_dataset: false,
+        counts: None,
+        buildings: manifest.buildings,
+        triangle_bytes: (manifest.triangle_bytes + bytes(&after)).saturating_sub(bytes(before)),
+        report: manifest.footprints.replaced(read_before, &read),
         read,
-        deleted: deleted.into_iter().collect(),
+        deleted: Vec::new(),
     })
 }
 

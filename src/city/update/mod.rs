@@ -16,7 +16,7 @@ pub(super) use transaction::{COMMITTED, PARTIAL, Pending};
 
 use std::path::PathBuf;
 
-use changes::{Changes, UpdateContext, by_comparing, from_file, stamp_of};
+use changes::{Changes, UpdateContext, by_comparing, by_difference, from_file, stamp_of};
 use transaction::{Transaction, finish_interrupted, set_not_older};
 
 use super::{City, CityError, Manifest};
@@ -37,6 +37,8 @@ pub struct UpdateOptions {
     pub crs: Option<String>,
     /// Ids of buildings to take out.
     pub delete: Vec<u32>,
+    /// A copy of the footprint dataset as the tiles show it: of an edited dataset only what differs from it is looked at.
+    pub known: Option<PathBuf>,
     /// Changed footprints have the attributes that the file says and no others, instead of keeping those that it does not name.
     pub replaces_attributes: bool,
 }
@@ -78,7 +80,14 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
     let transaction = Transaction::begin(&place)?;
     let footprints = transaction.footprints();
     let changes = if options.buildings.is_none() && options.delete.is_empty() {
-        by_comparing(&place, &footprints)?
+        let few = match &options.known {
+            Some(known) => by_difference(&place, known)?,
+            None => None,
+        };
+        match few {
+            Some(changes) => changes,
+            None => by_comparing(&place, &footprints)?,
+        }
     } else {
         from_file(&place, options, &footprints)?
     };

@@ -1,5 +1,7 @@
 //! Single footprints of a dataset by their ids: attributes, a search among them, and copies with changes.
 
+use std::path::Path;
+
 use gdal::vector::{Feature, LayerAccess, OGRFieldType};
 use geo::MultiPolygon;
 
@@ -90,6 +92,49 @@ impl FootprintSource {
         let row = result.as_mut().and_then(|rows| rows.features().next());
         let last = row.and_then(|row| row.field_as_integer64(0).ok().flatten());
         Ok(last.and_then(|last| u32::try_from(last).ok()).unwrap_or(0))
+    }
+
+    /// Ids of the footprints that differ from those of `known`, an older copy of the same dataset, in outline or in an attribute, or are
+    /// not in it; and of those that only it has. By SQLite, on the primary keys; as sums, because OGR takes a bare key for the rows' own.
+    ///
+    /// # Errors
+    /// When a file cannot be read, or they are not copies of one dataset.
+    pub fn differing(&self, known: &Path) -> Result<[Vec<u32>; 2], SourceError> {
+        let run = |query: String| -> Result<Vec<u32>, SourceError> {
+            let result = self
+                .dataset
+                .execute_sql(query, None, gdal::vector::sql::Dialect::DEFAULT)
+                .map_err(|error| self.read_error(gdal_says(&error)))?;
+            let Some(mut rows) = result else {
+                return Ok(Vec::new());
+            };
+            let ids = rows.features().map(|row| row.field_as_integer64(0));
+            Ok(ids.filter_map(|id| u32::try_from(id.ok()??).ok()).collect())
+        };
+        let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
+        let layer = self.layer()?;
+        let table = quoted(&layer.name());
+        // SAFETY: the layer is alive, and its text is copied at once.
+        let geometry =
+            unsafe { std::ffi::CStr::from_ptr(gdal_sys::OGR_L_GetGeometryColumn(layer.c_layer())) };
+        let geometry = geometry.to_string_lossy().into_owned();
+        let columns = layer.defn().fields().map(|field| field.name()).chain([geometry]);
+        let differs: Vec<String> = columns
+            .map(|name| format!("n.{0} IS NOT k.{0}", quoted(&name)))
+            .collect();
+        run(format!(
+            "ATTACH DATABASE '{}' AS known",
+            known.display().to_string().replace('\'', "''")
+        ))?;
+        let changed = run(format!(
+            "SELECT n.fid + 0 AS id FROM main.{table} n LEFT JOIN known.{table} k ON k.fid = n.fid WHERE k.fid IS NULL OR {}",
+            differs.join(" OR ")
+        ));
+        let removed = run(format!(
+            "SELECT k.fid + 0 AS id FROM known.{table} k LEFT JOIN main.{table} n ON n.fid = k.fid WHERE n.fid IS NULL"
+        ));
+        run("DETACH DATABASE known".to_owned())?;
+        Ok([changed?, removed?])
     }
 
     /// The layer's name, and how many features it has.
