@@ -19,7 +19,7 @@ impl Job {
     /// Imports a city.
     pub fn import(options: ImportOptions) -> Self {
         let what = format!("importing to {}", options.out.display());
-        Self::run(what, move || Ok(import(&options).map(|_| options.out.clone())?))
+        Self::run(what, move || import(&options).map(|_| options.out.clone()))
     }
 
     /// Makes the sample city in a folder, unless it is there.
