@@ -11,7 +11,7 @@ use rilievo::output::{FrameRequest, Renderer};
 use rilievo::relief::extrusion::{
     Extrusion, ExtrusionMethod, HeightImage, Overflow, TextureImage, draw_extrusion,
 };
-use rilievo::relief::{ReliefMode, SearchParameters};
+use rilievo::relief::{ReliefMode, ReliefSettings, SearchParameters};
 use rilievo::scene::TerrainMesh;
 use rilievo::space::{Pose, Projection, Sun};
 
@@ -326,8 +326,11 @@ fn search_approaches_the_truth() {
                 ..SearchParameters::default()
             };
             let request = FrameRequest {
-                mode: ReliefMode::Search,
-                search,
+                relief: ReliefSettings {
+                    mode: ReliefMode::Search,
+                    search,
+                    ..ReliefSettings::default()
+                },
                 ..request
             };
             let found = renderer.still(&request, 1).unwrap();

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
 use rilievo::output::{Renderer, Still};
-use rilievo::relief::ReliefMode;
+use rilievo::relief::{ReliefMode, ReliefSettings};
 use rilievo::scene::TerrainMesh;
 use rilievo::space::Sun;
 use support::View;
@@ -32,7 +32,10 @@ fn draw(renderer: &mut Renderer, view: View, mode: ReliefMode) -> Still {
     let camera = view.camera();
     let sun = Sun::from_direction(DVec3::new(-0.5, -0.5, 0.7).normalize());
     let request = rilievo::output::FrameRequest {
-        mode,
+        relief: ReliefSettings {
+            mode,
+            ..ReliefSettings::default()
+        },
         ..support::request(&camera, &sun, SIZE)
     };
     renderer.still(&request, 1).unwrap()
