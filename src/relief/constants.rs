@@ -1,7 +1,7 @@
 //! What the relief's shaders share with Rust: the prelude of every one of them.
 
-use super::pass::Layers;
-use super::search_pass::SEARCH_BAY_M;
+use super::search_parameters::SEARCH_BAY_M;
+use super::settings::Layers;
 use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};

@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec4};
 
 use super::GridPosition;
-use super::pass::ReliefSettings;
-use super::search_pass::SearchParameters;
+use super::search_parameters::SearchParameters;
+use super::settings::ReliefSettings;
 use super::sky_tables::SkyTables;
 use super::sun_bounds_texture::SunBoundsTexture;
 use crate::buildings::Pyramid;

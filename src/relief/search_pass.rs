@@ -1,7 +1,6 @@
 //! Draws the buildings by the method of KR 10-0738500: the building map as a displacement map, searched in slices
 //! (`shaders/relief/search.wgsl` tells how). For fidelity to the source and comparison; `exact` is never wrong where this is.
 
-use bytemuck::{Pod, Zeroable};
 use glam::IVec2;
 
 use super::context::{PassContext, pass_number};
@@ -10,34 +9,6 @@ use super::targets::{ReliefTargets, relief_target_states};
 use crate::gpu::{BySize, FLOAT, Gpu, PipelineParameters, shader_module, texture};
 use crate::scene::nearest_first;
 use crate::space::TileId;
-
-/// How the search goes; layout of `SearchParameters` in `shaders/lib/search_parameters.wgsl`, where each is explained.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct SearchParameters {
-    /// Slices of the volume.
-    pub slices: u32,
-    /// Halvings between the last two.
-    pub refinements: u32,
-    /// A surface that rises by more than this over the slice above it is steep, metres.
-    pub delta: f32,
-    /// Nothing.
-    pub padding: u32,
-}
-
-impl Default for SearchParameters {
-    fn default() -> Self {
-        Self {
-            slices: 64,
-            refinements: 8,
-            delta: 1.0,
-            padding: 0,
-        }
-    }
-}
-
-/// Width of a bay on walls that are found, metres: their outlines are not known.
-pub const SEARCH_BAY_M: f32 = 3.0;
 
 /// Vertices of a tile's volume: six faces of two triangles.
 const VOLUME_VERTICES: u32 = 36;

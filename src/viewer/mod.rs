@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! events ─▶ app ─▶ input ─┬▶ navigate, motion (pose) ─┐
-//!                         ├▶ pointer ─▶ tools ────────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (image, overlay)
+//!                         ├▶ clicks ─▶ tools ─────────┼▶ scene_state (FrameRequest) ─▶ output::Renderer ─▶ screen (image, overlay)
 //!                         └▶ panels ─▶ actions ───────┘
 //!                                        └▶ editing (a thread) ─▶ city::Editor ─▶ the city folder, which the window follows
 //! `start` is the window before a city is open, `running` the open one; `pace` its resolution while the camera moves and its samples while it rests.
@@ -11,6 +11,7 @@
 mod actions;
 mod app;
 mod blit;
+mod clicks;
 mod clock;
 mod editing;
 mod error;
@@ -20,6 +21,7 @@ mod journal;
 mod last_view;
 mod motion;
 mod navigate;
+mod options;
 mod overlay;
 mod pace;
 mod panels;
@@ -32,9 +34,10 @@ mod screen;
 mod start;
 mod tools;
 
-pub use app::{ViewerOptions, run};
+pub use app::run;
 pub use blit::{Blit, SCREEN};
 pub use clock::Clock;
 pub use error::ViewerError;
 pub use navigate::{Cursor, Navigator};
+pub use options::ViewerOptions;
 pub use pace::Pace;

@@ -9,7 +9,6 @@ use winit::event_loop::ActiveEventLoop;
 use winit::keyboard::{KeyCode, ModifiersState};
 use winit::window::Window;
 
-use super::app::ViewerOptions;
 use super::editing::Editing;
 use super::glide::{Glide, Momentum};
 use super::journal::FrameRecord;
@@ -21,7 +20,7 @@ use super::recorder::Recorder;
 use super::scene_state::{SceneState, first_pose, lenses};
 use super::screen::Screen;
 use super::tools::paint_marks;
-use super::{Clock, Navigator, Pace, ViewerError};
+use super::{Clock, Navigator, Pace, ViewerError, ViewerOptions};
 use crate::camera::lens::Lens;
 use crate::city::City;
 use crate::gpu::Gpu;

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::Action;
-use crate::camera::Optics;
-use crate::camera::flare::Quality;
+use crate::camera::flare::{GhostParameters, Quality};
 use crate::camera::lens::Lens;
+use crate::camera::{Optics, single_crossing_ghosts};
 use crate::viewer::scene_state::SceneState;
 
 /// f-numbers of the slider.
@@ -56,6 +56,9 @@ pub fn show(ui: &mut egui::Ui, state: &mut SceneState, lenses: &[Arc<Lens>], act
                     }
                 }
             });
+            if let Some(ghosts) = state.flare.as_mut().and_then(|flare| flare.ghosts.as_mut()) {
+                changed |= single_ghost(ui, &optics.lens, ghosts);
+            }
         }
         Optics::Pinhole { fov_y } => {
             let mut degrees = fov_y.to_degrees();
@@ -69,4 +72,27 @@ pub fn show(ui: &mut egui::Ui, state: &mut SceneState, lenses: &[Arc<Lens>], act
     if changed {
         actions.push(Action::Redraw);
     }
+}
+
+/// A slider over the ghosts that are drawn: all of them, or one alone.
+fn single_ghost(ui: &mut egui::Ui, lens: &Lens, parameters: &mut GhostParameters) -> bool {
+    let ghosts = single_crossing_ghosts(lens);
+    // 0 = all.
+    let mut shown = parameters
+        .only
+        .and_then(|only| ghosts.iter().position(|ghost| *ghost == only))
+        .map_or(0, |index| index + 1);
+    let slider =
+        egui::Slider::new(&mut shown, 0..=ghosts.len()).custom_formatter(|shown, _| match shown as usize {
+            0 => "all".to_owned(),
+            k => {
+                let reflected = ghosts.get(k - 1).map(|ghost| [ghost.first + 1, ghost.second + 1]);
+                reflected.map_or(String::new(), |[first, second]| {
+                    format!("surfaces {first}, {second}")
+                })
+            }
+        });
+    let is_changed = ui.add(slider.text("ghost")).changed();
+    parameters.only = shown.checked_sub(1).and_then(|index| ghosts.get(index)).copied();
+    is_changed
 }
