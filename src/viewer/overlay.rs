@@ -27,8 +27,9 @@ pub struct Overlay {
     is_cheap: bool,
 }
 
-/// While the camera moves the panel, which then only tells of times, is painted so often.
-const INTERVAL: Duration = Duration::from_millis(250);
+/// While the camera moves the panels are painted so often: where they tell of times, and where they do not.
+const LIVE_INTERVAL: Duration = Duration::from_millis(250);
+const INTERVAL: Duration = Duration::from_millis(1000);
 
 impl Overlay {
     /// For a window and its surface's format.
@@ -77,8 +78,10 @@ impl Overlay {
     }
 
     /// Whether the image may be out of date; while the camera moves that must be worth its time.
-    pub fn is_due(&self, size: [u32; 2], is_moving: bool) -> bool {
-        let is_recent = self.last_painted.is_some_and(|last| last.elapsed() < INTERVAL);
+    /// `is_live`: it tells of times.
+    pub fn is_due(&self, size: [u32; 2], is_moving: bool, is_live: bool) -> bool {
+        let interval = if is_live { LIVE_INTERVAL } else { INTERVAL };
+        let is_recent = self.last_painted.is_some_and(|last| last.elapsed() < interval);
         let is_sized = self.image.as_ref().is_some_and(|image| {
             let known = image.texture.size();
             [known.width, known.height] == size

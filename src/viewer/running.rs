@@ -267,10 +267,9 @@ impl Running {
 
     fn draw_screen(&mut self) -> Result<(), ViewerError> {
         let begun = Instant::now();
-        let is_due = self
-            .screen
-            .overlay
-            .is_due(self.screen.size(), self.pace.is_moving());
+        let is_live = self.interface.statistics.is_shown;
+        let overlay = &self.screen.overlay;
+        let is_due = overlay.is_due(self.screen.size(), self.pace.is_moving(), is_live);
         if is_due {
             self.paint_panels()?;
         }
