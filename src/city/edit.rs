@@ -15,6 +15,9 @@ use super::{City, CityError};
 use crate::source::{FootprintChange, FootprintDatasetWriter, FootprintSource, HeightReading, HeightRule};
 use crate::space::Crs;
 
+/// Largest dataset of which a copy is kept, bytes: of a larger one all footprints are compared.
+const MAX_KNOWN_BYTES: u64 = 1 << 30;
+
 /// An edit of one building.
 #[derive(Clone, Debug)]
 pub enum Edit {
@@ -172,9 +175,13 @@ impl Editor {
             return Ok(());
         }
         self.known = None;
+        let dataset = city.footprint_dataset_path();
+        if fs::metadata(&dataset).map_or(u64::MAX, |data| data.len()) > MAX_KNOWN_BYTES {
+            return Ok(());
+        }
         fs::create_dir_all(&self.scratch).map_err(CityError::file(&self.scratch))?;
         let path = self.scratch.join("known.gpkg");
-        fs::copy(city.footprint_dataset_path(), &path).map_err(CityError::file(&path))?;
+        fs::copy(&dataset, &path).map_err(CityError::file(&path))?;
         // Unless it was edited meanwhile.
         if City::open(&self.city)?.manifest().generation == generation && city.edited_dataset().is_none() {
             self.known = Some((generation, path));

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::city::{Edit, EditReport, Editor};
@@ -32,7 +33,9 @@ pub struct EditOutcome {
 
 /// The thread, and what is under way.
 pub struct Editing {
-    commands: Sender<EditCommand>,
+    /// None once it is closed.
+    commands: Option<Sender<EditCommand>>,
+    thread: Option<JoinHandle<()>>,
     outcomes: Receiver<EditOutcome>,
     /// Commands without an outcome yet.
     pending: usize,
@@ -50,7 +53,7 @@ impl Editing {
         let (answers, outcomes) = channel();
         let scratch = std::env::temp_dir().join(format!("rilievo-edits-{}", std::process::id()));
         let mut editor = Editor::new(city, scratch);
-        std::thread::spawn(move || {
+        let thread = std::thread::spawn(move || {
             loop {
                 match queue.recv_timeout(IDLE) {
                     Ok(command) => {
@@ -65,7 +68,8 @@ impl Editing {
             }
         });
         Self {
-            commands,
+            commands: Some(commands),
+            thread: Some(thread),
             outcomes,
             pending: 0,
             depth: [0; 2],
@@ -74,7 +78,8 @@ impl Editing {
 
     /// Has a command done.
     pub fn send(&mut self, command: EditCommand) {
-        if self.commands.send(command).is_ok() {
+        let sent = self.commands.as_ref().map(|commands| commands.send(command));
+        if matches!(sent, Some(Ok(()))) {
             self.pending += 1;
         }
     }
@@ -90,6 +95,17 @@ impl Editing {
         self.pending = self.pending.saturating_sub(1);
         self.depth = outcome.depth;
         Some(outcome)
+    }
+}
+
+impl Drop for Editing {
+    /// The edit in hand is finished, and the thread's files are removed.
+    fn drop(&mut self) {
+        self.commands = None;
+        if let Some(thread) = self.thread.take() {
+            // What it came to was told already.
+            let _ = thread.join();
+        }
     }
 }
 
