@@ -17,7 +17,7 @@ use crate::space::Pose;
 const MAX_FOUND: usize = 50;
 /// How a place that was searched for is looked at: from so far away by its extent, and at least so far, metres.
 const EXTENTS_AWAY: f64 = 3.0;
-const LEAST_AWAY_M: f64 = 120.0;
+const MIN_AWAY_M: f64 = 120.0;
 
 impl Running {
     /// Does what was asked for.
@@ -103,7 +103,7 @@ impl Running {
         // Not from below, and not flat.
         let level = forward.truncate().normalize_or(glam::DVec2::Y);
         let direction = level.extend(forward.z.clamp(-0.95, -0.4)).normalize();
-        let away = (EXTENTS_AWAY * extent_m).max(LEAST_AWAY_M);
+        let away = (EXTENTS_AWAY * extent_m).max(MIN_AWAY_M);
         self.stop();
         let to = Pose::looking_at(target - away * direction, target);
         self.glide = Some(Glide::new(self.state.navigator.pose, to));

@@ -11,7 +11,8 @@ use rayon::prelude::*;
 
 use super::UpdateOptions;
 use super::parents::changed_parents;
-use crate::buildings::{Building, BuildingMap, MapTile, triangle_bytes};
+use super::tile_change::TileChange;
+use crate::buildings::{Building, MapTile, triangle_bytes};
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::rules_file::FACADES;
@@ -51,42 +52,6 @@ impl UpdateContext<'_> {
             true => Ok(()),
             false => Err(CityError::EditedDataset { path }),
         }
-    }
-}
-
-/// A tile that becomes another one.
-pub struct TileChange {
-    /// Which.
-    pub id: TileId,
-    /// Bytes of its map when loaded; 0 without one.
-    pub bytes_before: u64,
-    /// Whether its file was there.
-    pub was_there: bool,
-    /// Its new map; none where no building stands any more.
-    pub map: Option<BuildingMap>,
-}
-
-impl TileChange {
-    /// From one map to another; none when they are the same and the file is there or not accordingly.
-    pub fn between(
-        city: &City,
-        id: TileId,
-        before: Option<BuildingMap>,
-        map: Option<BuildingMap>,
-    ) -> Option<Self> {
-        let was_there = city.has(Layer::Buildings, id);
-        let is_same = before == map && was_there == map.is_some();
-        (!is_same).then(|| Self {
-            id,
-            bytes_before: before.as_ref().map_or(0, MapTile::bytes_of),
-            was_there,
-            map,
-        })
-    }
-
-    /// Bytes of the new map when loaded.
-    pub fn bytes(&self) -> u64 {
-        self.map.as_ref().map_or(0, MapTile::bytes_of)
     }
 }
 

@@ -9,6 +9,7 @@
 mod changes;
 mod lock;
 mod parents;
+mod tile_change;
 mod transaction;
 
 pub(super) use lock::CityLock;

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use rayon::prelude::*;
 
-use super::changes::TileChange;
+use super::tile_change::TileChange;
 use crate::buildings::{BuildingMap, coarser, coarser_updated};
 use crate::city::{City, CityError, Layer};
 use crate::space::TileId;

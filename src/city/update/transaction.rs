@@ -13,7 +13,8 @@ use std::time::SystemTime;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::changes::{Changes, TileChange, UpdateContext};
+use super::changes::{Changes, UpdateContext};
+use super::tile_change::TileChange;
 use crate::city::codec::write_buildings;
 use crate::city::durable::sync;
 use crate::city::geotiff::GeoKeys;
