@@ -303,7 +303,7 @@ fn blends_pass_from_linear_to_nonlinear() {
                 .count();
             let lit = alone.radiance.iter().filter(|rgb| rgb[1] > 0.0).count();
             println!("{ghost:?}: {off} of {lit} pixels off");
-            assert!(off * 8 <= lit, "{ghost:?}: {off} of {lit}");
+            assert!(off * 7 <= lit, "{ghost:?}: {off} of {lit}");
         } else if nonlinearity_error > 0.002 {
             between += 1;
         }
@@ -319,6 +319,7 @@ fn nonlinear_ghosts_can_be_fitted_to_linear_ones() {
         angle: 8_f64.to_radians(),
         azimuth: 0.5,
         f_number: 8.0,
+        angular_radius: 0.0,
     };
     // Light, and its root mean square distance from its centre, over all triangles of the green channel.
     let moments = |mode, fit, ghost| {
@@ -571,7 +572,7 @@ fn the_effective_pupil_changes_nothing_but_the_work() {
             whole.mesh.area_mm2 / clipped.mesh.area_mm2
         );
         assert!(
-            differing * 500 < a.len(),
+            differing * 200 < a.len(),
             "{name}: {differing} values differ by more than 1/255"
         );
         assert!(whole.mesh.area_mm2 > 1.5 * clipped.mesh.area_mm2);
@@ -636,6 +637,7 @@ fn a_flare_is_made_once() {
         starbursts,
         images: 0,
     };
+    let size = [96, 64];
     for (what, request, changes, fills) in [
         ("first", &still, true, all(1, 1, 1)),
         ("still", &still, false, all(1, 1, 1)),
@@ -646,12 +648,11 @@ fn a_flare_is_made_once() {
         ("back", &moved, true, all(1, 2, 1)),
         ("another iris", &other_iris, true, all(2, 2, 2)),
     ] {
-        assert_eq!(effect.prepare(&gpu, request).unwrap(), changes, "{what}");
+        assert_eq!(effect.prepare(&gpu, request, size).unwrap(), changes, "{what}");
         assert_eq!(effect.fills(), fills, "{what}");
     }
 
     // A cached one draws what a new one draws, to the bit; half of the light is half of the radiance.
-    let size = [96, 64];
     let image = |effect: &FlareEffect| {
         let target = Target::new(&gpu, "flare", size, format);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -661,14 +662,14 @@ fn a_flare_is_made_once() {
     };
     let fresh = |request| {
         let mut effect = FlareEffect::new(&gpu, format);
-        effect.prepare(&gpu, request).unwrap();
+        effect.prepare(&gpu, request, size).unwrap();
         image(&effect)
     };
-    effect.prepare(&gpu, &still).unwrap();
+    effect.prepare(&gpu, &still, size).unwrap();
     let whole = image(&effect);
     assert!(whole.iter().any(|texel| texel[1].to_f32() > 0.0));
     assert!(whole == fresh(&still), "a mesh over a longer one");
-    effect.prepare(&gpu, &half_hidden).unwrap();
+    effect.prepare(&gpu, &half_hidden, size).unwrap();
     let half = image(&effect);
     assert!(half == fresh(&half_hidden));
     let sum = |image: &[[half::f16; 4]]| {
@@ -678,7 +679,7 @@ fn a_flare_is_made_once() {
             .sum::<f64>()
     };
     assert!((sum(&half) / sum(&whole) - 0.5).abs() < 1e-3);
-    effect.prepare(&gpu, &behind).unwrap();
+    effect.prepare(&gpu, &behind, size).unwrap();
     assert_eq!(sum(&image(&effect)), 0.0);
 }
 

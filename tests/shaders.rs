@@ -273,10 +273,9 @@ fn records_are_laid_out_alike_on_both_sides() {
         FlareFrame,
         [
             "half_mm" = half_mm,
-            "mask_extent" = mask_extent,
-            "padding_a" = padding_a,
+            "centre_mm" = centre_mm,
             "irradiance" = irradiance,
-            "padding_b" = padding_b,
+            "padding" = padding,
         ]
     );
     same_layout!(
@@ -355,7 +354,7 @@ fn declared_kind(module: &naga::Module, variable: &naga::GlobalVariable) -> Stri
 /// Every binding of every shader is what the layout of its group says at that number.
 #[test]
 fn bindings_are_what_the_layouts_say() {
-    use rilievo::camera::flare::FLARE_INPUT;
+    use rilievo::camera::flare::{FLARE_INPUT, GHOST_INPUT, IMAGE_INPUT};
     use rilievo::camera::{AccumulatePass, RayPass, ToneMapPass};
     use rilievo::output::DebugView;
     use rilievo::relief::{
@@ -372,7 +371,9 @@ fn bindings_are_what_the_layouts_say() {
             "relief/polygons.wgsl" => vec![&ReliefPass::FRAME, &PolygonsPass::ANCHOR, &PolygonsPass::INPUT],
             "camera/accumulate.wgsl" => vec![&AccumulatePass::INPUT],
             "camera/tone_map.wgsl" => vec![&ToneMapPass::INPUT],
-            "camera/ghost.wgsl" | "camera/sprite.wgsl" => vec![&FLARE_INPUT],
+            "camera/ghost.wgsl" => vec![&GHOST_INPUT],
+            "camera/sprite.wgsl" => vec![&FLARE_INPUT],
+            "camera/soften.wgsl" | "camera/enlarge.wgsl" => vec![&IMAGE_INPUT],
             "camera/ray_bundles.wgsl" => vec![&RayPass::TYPES],
             "output/debug_view.wgsl" => vec![&DebugView::INPUT],
             "viewer/blit.wgsl" => vec![&rilievo::viewer::Blit::INPUT],
@@ -400,7 +401,7 @@ fn bindings_are_what_the_layouts_say() {
 /// Vertex attributes have the types and locations that the entries of the vertex stage take.
 #[test]
 fn vertex_attributes_are_what_the_shaders_take() {
-    use rilievo::camera::flare::FlareVertex;
+    use rilievo::camera::flare::{FlareVertex, GhostRecord};
     use rilievo::relief::MeshVertex;
     let format = |format: wgpu::VertexFormat| match format {
         wgpu::VertexFormat::Float32 => "f32",
@@ -409,19 +410,21 @@ fn vertex_attributes_are_what_the_shaders_take() {
         wgpu::VertexFormat::Uint32 => "u32",
         other => panic!("{other:?}"),
     };
-    let shaders: [(&str, &[wgpu::VertexAttribute], usize); 2] = [
+    type Buffer = (&'static [wgpu::VertexAttribute], usize);
+    let shaders: [(&str, &[Buffer]); 2] = [
         (
             "relief/polygons.wgsl",
-            &MeshVertex::ATTRIBUTES,
-            size_of::<MeshVertex>(),
+            &[(&MeshVertex::ATTRIBUTES, size_of::<MeshVertex>())],
         ),
         (
             "camera/ghost.wgsl",
-            &FlareVertex::ATTRIBUTES,
-            size_of::<FlareVertex>(),
+            &[
+                (&FlareVertex::ATTRIBUTES, size_of::<FlareVertex>()),
+                (&GhostRecord::ATTRIBUTES, size_of::<GhostRecord>()),
+            ],
         ),
     ];
-    for (name, attributes, size) in shaders {
+    for (name, buffers) in shaders {
         let source = all().into_iter().find(|source| source.name == name).unwrap();
         let module = naga::front::wgsl::parse_str(&source.linked()).unwrap();
         let entry = module
@@ -440,16 +443,19 @@ fn vertex_attributes_are_what_the_shaders_take() {
                 _ => None,
             })
             .collect();
-        let given: Vec<(u32, String)> = attributes
+        let given: Vec<(u32, String)> = buffers
             .iter()
+            .flat_map(|(attributes, _)| *attributes)
             .map(|attribute| (attribute.shader_location, format(attribute.format).to_owned()))
             .collect();
         assert_eq!(taken, given, "{name}");
-        let end = attributes
-            .iter()
-            .map(|attribute| attribute.offset + attribute.format.size())
-            .max();
-        assert_eq!(end, Some(size as u64), "{name}: no gap at the end of a vertex");
+        for (attributes, size) in buffers {
+            let ends = attributes
+                .iter()
+                .map(|attribute| attribute.offset + attribute.format.size());
+            let end = ends.max();
+            assert_eq!(end, Some(*size as u64), "{name}: no gap at the end of a vertex");
+        }
     }
 }
 

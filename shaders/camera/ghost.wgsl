@@ -2,19 +2,21 @@
 // where its ray meets the lens barrel (KR 10-1465658; Lee & Eisemann 2013, section 4).
 
 struct FlareFrame {
-    // Half the image's width and height, millimetres of the sensor.
+    // Half what the target shows of the sensor, and its centre, millimetres.
     half_mm: vec2<f32>,
-    // Half the side of the aperture's mask, in radii of the stop.
-    mask_extent: f32,
-    padding_a: f32,
+    centre_mm: vec2<f32>,
     // Of the visible part of the light: vertices are for 1.
     irradiance: vec3<f32>,
-    padding_b: f32,
+    padding: f32,
 }
 
 @group(0) @binding(0) var<uniform> flare: FlareFrame;
 @group(0) @binding(1) var aperture: texture_2d<f32>;
 @group(0) @binding(2) var aperture_sampler: sampler;
+// The same softened by discs, slice by slice larger (src/camera/flare/draw/soft_masks.rs).
+@group(0) @binding(3) var soft_apertures: texture_3d<f32>;
+
+const PI: f32 = 3.14159265;
 
 struct GhostVertex {
     @builtin(position) clip: vec4<f32>,
@@ -22,6 +24,7 @@ struct GhostVertex {
     @location(1) barrel: vec2<f32>,
     @location(2) radiance: vec3<f32>,
     @location(3) opacity: f32,
+    @location(4) @interpolate(flat) soft: vec2<f32>,
 }
 
 @vertex
@@ -31,15 +34,36 @@ fn vs(
     @location(2) barrel: vec2<f32>,
     @location(3) radiance: vec3<f32>,
     @location(4) opacity: f32,
+    // Of the whole ghost: its centre, and by how much it is enlarged about that, as it is smaller than texels can show.
+    @location(5) ghost_mm: vec2<f32>,
+    @location(6) enlarged: vec2<f32>,
+    // Radii of the discs that soften it, in radii of the iris and of the front (src/camera/flare/ghost/softness.rs).
+    @location(7) soft: vec2<f32>,
 ) -> GhostVertex {
-    return GhostVertex(vec4<f32>(sensor_mm / flare.half_mm, 0.0, 1.0), stop, barrel, radiance, opacity);
+    let at = ghost_mm + (sensor_mm - ghost_mm) * enlarged;
+    let clip = vec4<f32>((at - flare.centre_mm) / flare.half_mm, 0.0, 1.0);
+    return GhostVertex(clip, stop, barrel, radiance / (enlarged.x * enlarged.y), opacity, soft);
+}
+
+// Part of a disc on the one side of a straight edge, at a distance from its centre in radii.
+fn disc_part(distance: f32) -> f32 {
+    let t = clamp(distance, -1.0, 1.0);
+    return 0.5 + (t * sqrt(1.0 - t * t) + asin(t)) / PI;
 }
 
 @fragment
 fn fs(in: GhostVertex) -> @location(0) vec4<f32> {
-    let open = textureSample(aperture, aperture_sampler, 0.5 + 0.5 * in.stop / flare.mask_extent).x;
-    // The barrel's edge, one pixel soft.
     let height = length(in.barrel);
-    let soft = clamp((1.0 - height) / max(fwidth(height), 1.0e-6) + 0.5, 0.0, 1.0);
-    return vec4<f32>(in.radiance * flare.irradiance * open * soft, in.opacity * open * soft);
+    // The barrel's edge, one pixel soft at least.
+    let through = disc_part((1.0 - height) / max(in.soft.y, max(0.6 * fwidth(height), 1.0e-6)));
+    var open = 0.0;
+    if in.soft.x < MIN_SOFTNESS {
+        open = textureSampleLevel(aperture, aperture_sampler, 0.5 + 0.5 * in.stop / MASK_EXTENT, 0.0).x;
+    } else {
+        let along = log(in.soft.x / MIN_SOFTNESS) / log(MAX_SOFTNESS / MIN_SOFTNESS);
+        let slice = (0.5 + along * (SOFT_MASKS - 1.0)) / SOFT_MASKS;
+        let at = vec3<f32>(0.5 + 0.5 * in.stop / SOFT_EXTENT, slice);
+        open = textureSampleLevel(soft_apertures, aperture_sampler, at, 0.0).x;
+    }
+    return vec4<f32>(in.radiance * flare.irradiance * open * through, in.opacity * open * through);
 }

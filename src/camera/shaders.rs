@@ -1,5 +1,6 @@
 //! Which libraries each shader is linked from.
 
+use super::flare::{MASK_EXTENT, MAX_SOFTNESS, MIN_SOFTNESS, SOFT_EXTENT, SOFT_MARGIN, SOFT_MASKS};
 use super::ray_bundles::{LOST, REFLECTS, STOP, WORKGROUP};
 use super::tone_curve::START_COMPRESSION;
 use crate::gpu::{Constant, ConstantValue, ShaderSource, shader_file};
@@ -10,6 +11,12 @@ const CONSTANTS: &[Constant] = &[
     ("STOP", ConstantValue::Uint(STOP)),
     ("LOST", ConstantValue::Float(LOST)),
     ("WORKGROUP", ConstantValue::Uint(WORKGROUP)),
+    ("SOFT_MARGIN", ConstantValue::Float(SOFT_MARGIN as f32)),
+    ("MASK_EXTENT", ConstantValue::Float(MASK_EXTENT as f32)),
+    ("SOFT_EXTENT", ConstantValue::Float(SOFT_EXTENT as f32)),
+    ("SOFT_MASKS", ConstantValue::Float(SOFT_MASKS as f32)),
+    ("MIN_SOFTNESS", ConstantValue::Float(MIN_SOFTNESS as f32)),
+    ("MAX_SOFTNESS", ConstantValue::Float(MAX_SOFTNESS as f32)),
     ("START_COMPRESSION", ConstantValue::Float(START_COMPRESSION)),
 ];
 
@@ -48,6 +55,20 @@ pub const SPRITE: ShaderSource = ShaderSource {
     files: &[shader_file!("camera/sprite.wgsl")],
 };
 
+/// Ghosts of a disc of light.
+pub const SOFTEN: ShaderSource = ShaderSource {
+    name: "camera/soften.wgsl",
+    constants: CONSTANTS,
+    files: &[shader_file!("camera/soften.wgsl")],
+};
+
+/// Softened ghosts on smaller texels.
+pub const ENLARGE: ShaderSource = ShaderSource {
+    name: "camera/enlarge.wgsl",
+    constants: CONSTANTS,
+    files: &[shader_file!("camera/enlarge.wgsl")],
+};
+
 /// Grids of rays.
 pub const RAYS: ShaderSource = ShaderSource {
     name: "camera/ray_bundles.wgsl",
@@ -59,4 +80,4 @@ pub const RAYS: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 5] = [ACCUMULATE, TONE_MAP, GHOST, SPRITE, RAYS];
+pub const ALL: [ShaderSource; 7] = [ACCUMULATE, TONE_MAP, GHOST, SOFTEN, ENLARGE, SPRITE, RAYS];

@@ -14,6 +14,7 @@ use crate::camera::lens::{BUILT_IN, built_in};
 use crate::camera::single_crossing_ghosts;
 use crate::gpu::Gpu;
 use crate::output::RenderError;
+use crate::space::SOLAR_ANGULAR_RADIUS;
 
 /// The f-number of all.
 const F_NUMBER: f64 = 8.0;
@@ -66,6 +67,7 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
                     angle: ANGLE,
                     azimuth: AZIMUTH,
                     f_number: F_NUMBER,
+                    angular_radius: SOLAR_ANGULAR_RADIUS,
                 },
                 ghosts: ghosts(FlareMode::Paraxial, whole_entrance),
                 table: None,
@@ -91,7 +93,10 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
                     ghosts: Some(ghosts(mode, false)),
                     starburst: None,
                     table: Some(Arc::clone(&table)),
-                    light: FlareLight::point(ANGLE + 1e-5 * f64::from(frame), AZIMUTH),
+                    light: FlareLight {
+                        angular_radius: SOLAR_ANGULAR_RADIUS,
+                        ..FlareLight::point(ANGLE + 1e-5 * f64::from(frame), AZIMUTH)
+                    },
                     image_half_mm: film_half_mm(&lens, size),
                 };
                 let image = imager.draw(&request, size).map_err(RenderError::from)?;

@@ -17,6 +17,7 @@ use crate::camera::lens::open;
 use crate::camera::{auto_exposure, single_crossing_ghosts, tone_mapped};
 use crate::gpu::Gpu;
 use crate::output::{RenderError, contact_sheet, write_png, write_radiance};
+use crate::space::SOLAR_ANGULAR_RADIUS;
 
 /// Flags of `lens flare`.
 #[derive(Debug, clap::Args)]
@@ -40,6 +41,12 @@ pub struct FlareArgs {
     /// Draw every ghost alone in a cell of its own.
     #[arg(long, conflicts_with_all = ["ghost", "linear"])]
     sheet: bool,
+    /// Leave out the sun's own image and its starburst.
+    #[arg(long)]
+    ghosts_only: bool,
+    /// A point of light instead of the sun's disc: ghosts with sharp edges.
+    #[arg(long)]
+    point: bool,
     /// Draw this ghost alone: I,J.
     #[arg(long, value_parser = super::lens_flags::pair)]
     ghost: Option<[usize; 2]>,
@@ -103,17 +110,21 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         },
         ..preset.ghosts()
     };
+    let shows_sun = !(args.ghosts_only || args.sheet || ghost.is_some());
     let request = FlareRequest {
         f_number: args.f_number,
         aperture: aperture(args.blades),
         ghosts: Some(ghosts),
-        starburst: None,
+        starburst: shows_sun.then(|| preset.starburst()),
         table: table.map(Arc::new),
-        // A negative angle is a positive one on the other side.
-        light: FlareLight::point(
-            args.angle.x.abs().to_radians(),
-            args.angle.y.to_radians() + if args.angle.x < 0.0 { PI } else { 0.0 },
-        ),
+        light: FlareLight {
+            angular_radius: if args.point { 0.0 } else { SOLAR_ANGULAR_RADIUS },
+            // A negative angle is a positive one on the other side.
+            ..FlareLight::point(
+                args.angle.x.abs().to_radians(),
+                args.angle.y.to_radians() + if args.angle.x < 0.0 { PI } else { 0.0 },
+            )
+        },
         image_half_mm: film_half_mm(&lens, args.size),
         lens,
     };
@@ -139,6 +150,7 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
             ..ghosts
         }),
         table: None,
+        starburst: None,
         ..request.clone()
     };
     let mut draw = |request| imager.draw(request, args.size).map_err(RenderError::from);

@@ -37,6 +37,15 @@ pub const fn texture(sample_type: wgpu::TextureSampleType) -> wgpu::BindingType 
     }
 }
 
+/// A 3D texture.
+pub const fn texture_volume(sample_type: wgpu::TextureSampleType) -> wgpu::BindingType {
+    wgpu::BindingType::Texture {
+        sample_type,
+        view_dimension: wgpu::TextureViewDimension::D3,
+        multisampled: false,
+    }
+}
+
 /// A 2D array texture.
 pub const fn texture_array(sample_type: wgpu::TextureSampleType) -> wgpu::BindingType {
     wgpu::BindingType::Texture {

@@ -16,7 +16,9 @@ mod timing;
 mod upload;
 
 pub use band::Band;
-pub use bindings::{FILTERED, FLOAT, OUTPUT, RECORDS, SAMPLER, UNIFORM, texture, texture_array};
+pub use bindings::{
+    FILTERED, FLOAT, OUTPUT, RECORDS, SAMPLER, UNIFORM, texture, texture_array, texture_volume,
+};
 pub use by_size::BySize;
 pub use device::{Gpu, GpuError};
 pub use index_pool::{IndexPool, IndexRun};
@@ -29,4 +31,6 @@ pub use shader::{Constant, ConstantValue, ShaderFile, ShaderSource, shader_modul
 pub use target::{Target, blended_target, color_target};
 pub use texel_pool::{TexelPool, TexelRun};
 pub use timing::{PassTimer, PassTimes};
-pub use upload::{TableTexture, Uniform, empty_buffer, filled_texture, geometry_buffer, storage_buffer};
+pub use upload::{
+    TableTexture, Uniform, empty_buffer, filled_texture, filled_volume, geometry_buffer, storage_buffer,
+};

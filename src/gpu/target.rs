@@ -71,6 +71,15 @@ impl Target {
         })
     }
 
+    /// The first of several attachments clears, the others draw over; `is_begun` remembers.
+    pub fn begun(&self, is_begun: &mut bool) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+        if std::mem::replace(is_begun, true) {
+            self.loaded()
+        } else {
+            self.cleared(wgpu::Color::TRANSPARENT)
+        }
+    }
+
     /// For a bind group.
     pub fn binding(&self) -> wgpu::BindingResource<'_> {
         wgpu::BindingResource::TextureView(&self.view)

@@ -145,6 +145,33 @@ pub fn filled_texture<T: bytemuck::NoUninit>(
     format: wgpu::TextureFormat,
     texels: &[T],
 ) -> wgpu::TextureView {
+    filled(
+        gpu,
+        label,
+        [width, height, 1],
+        (wgpu::TextureDimension::D2, format),
+        texels,
+    )
+}
+
+/// The same of a 3D texture, slice by slice.
+pub fn filled_volume<T: bytemuck::NoUninit>(
+    gpu: &Gpu,
+    label: &str,
+    size: [u32; 3],
+    format: wgpu::TextureFormat,
+    texels: &[T],
+) -> wgpu::TextureView {
+    filled(gpu, label, size, (wgpu::TextureDimension::D3, format), texels)
+}
+
+fn filled<T: bytemuck::NoUninit>(
+    gpu: &Gpu,
+    label: &str,
+    [width, height, depth]: [u32; 3],
+    (dimension, format): (wgpu::TextureDimension, wgpu::TextureFormat),
+    texels: &[T],
+) -> wgpu::TextureView {
     gpu.count_creation();
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
@@ -153,11 +180,11 @@ pub fn filled_texture<T: bytemuck::NoUninit>(
             size: wgpu::Extent3d {
                 width,
                 height,
-                depth_or_array_layers: 1,
+                depth_or_array_layers: depth,
             },
             mip_level_count: 1,
             sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
+            dimension,
             format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],

@@ -6,7 +6,7 @@ use super::{FrameRequest, RenderError, Renderer};
 use crate::camera::flare::{
     Aperture, FlareEffect, FlareRequest, GhostParameters, Preset, StarburstParameters, TableFile,
 };
-use crate::gpu::{BySize, Gpu, Target};
+use crate::gpu::{BySize, Gpu, PassTimer, Target};
 
 /// How the flare of a lens is made.
 #[derive(Clone, Debug)]
@@ -68,11 +68,7 @@ impl FlarePass {
     }
 
     /// Draws the flare where it changed; else a pass that draws nothing, so that it has its times.
-    pub(super) fn encode(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
-    ) {
+    pub(super) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, timed: (&PassTimer, u32)) {
         let Some(target) = self.target.current() else {
             return;
         };
@@ -82,19 +78,15 @@ impl FlarePass {
         } else {
             target.loaded()
         };
-        let (cleared, drawn) = if is_drawn {
-            (None, timestamps)
-        } else {
-            (timestamps, None)
-        };
+        let (timer, number) = timed;
         drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("no flare"),
             color_attachments: &[attachment],
-            timestamp_writes: cleared,
+            timestamp_writes: if is_drawn { None } else { timer.pass(number) },
             ..Default::default()
         }));
         if is_drawn {
-            self.effect.encode(encoder, target, drawn);
+            self.effect.encode(encoder, target, Some(timed));
         }
         self.is_stale = false;
     }
@@ -119,7 +111,7 @@ impl Renderer {
             light,
             image_half_mm: optics.image_half_mm(request.size),
         };
-        self.flare.is_stale |= self.flare.effect.prepare(&self.gpu, &flare)?;
+        self.flare.is_stale |= self.flare.effect.prepare(&self.gpu, &flare, request.size)?;
         self.flare.is_lit = light.is_lit();
         Ok(())
     }

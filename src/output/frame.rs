@@ -119,7 +119,7 @@ impl Renderer {
     }
 
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
-        self.flare.encode(encoder, self.timer.pass(FLARE));
+        self.flare.encode(encoder, (&self.timer, FLARE));
         let timestamps = self.timer.pass(TONE_MAP);
         let exposure =
             request.exposure * daylight_exposure(daylight(request.sun, self.relief.sky_on_level_ground()));

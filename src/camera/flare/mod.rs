@@ -42,11 +42,12 @@ mod table;
 pub use aperture::Aperture;
 pub use draw::{
     CacheFills, FLARE_INPUT, FlareEffect, FlareFrame, FlareImage, FlareImager, FlareLight, FlareRequest,
-    MeshStatistics, SpriteFrame, film_half_mm,
+    GHOST_INPUT, GhostRecord, IMAGE_INPUT, MASK_EXTENT, MIN_SOFTNESS, MeshStatistics, SOFT_EXTENT,
+    SOFT_MARGIN, SOFT_MASKS, SpriteFrame, film_half_mm,
 };
 pub use ghost::{
-    Blend, Fit, FlareMesh, FlareMode, FlareParameters, FlareSource, FlareVertex, GhostParameters, Pattern,
-    Tracing, TracingDevice, area_on_film, flare_mesh, nonlinearity,
+    Blend, Fit, FlareMesh, FlareMode, FlareParameters, FlareSource, FlareVertex, GhostParameters,
+    GhostTriangles, MAX_SOFTNESS, Pattern, Tracing, TracingDevice, area_on_film, flare_mesh, nonlinearity,
 };
 pub use quality::{Preset, Quality};
 pub use spectrum::{Wavelength, spectrum};

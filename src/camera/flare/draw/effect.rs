@@ -15,7 +15,7 @@ use crate::camera::flare::{
 };
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::{Paraxial, RayPass};
-use crate::gpu::{Gpu, GpuError, Target};
+use crate::gpu::{Gpu, GpuError, PassTimer, Target};
 
 /// The sun's ghosts and starburst of one lens, ready to be added to an image; nothing is made anew while its inputs stay.
 ///
@@ -116,11 +116,11 @@ impl FlareEffect {
     }
 
     /// Brings meshes, textures and uniforms up to date. Makes resources on the device only where a cache's inputs changed.
-    /// True when the flare looks otherwise than before.
+    /// For an image of `size` pixels. True when the flare looks otherwise than before.
     ///
     /// # Errors
     /// When the device fails while it traces rays.
-    pub fn prepare(&mut self, gpu: &Gpu, request: &FlareRequest) -> Result<bool, GpuError> {
+    pub fn prepare(&mut self, gpu: &Gpu, request: &FlareRequest, size: [u32; 2]) -> Result<bool, GpuError> {
         let is_lit = request.light.is_lit();
         let mut changed = self.is_lit != is_lit;
         self.is_lit = is_lit;
@@ -130,28 +130,43 @@ impl FlareEffect {
             changed |= self.prepare_images(gpu, request);
             changed |= self.prepare_starburst(gpu, request);
             let irradiance = request.light.visible_irradiance();
-            changed |= self.ghosts.set_frame(gpu, request.image_half_mm, irradiance);
+            let image = (size, request.image_half_mm);
+            changed |= self.ghosts.set_frame(gpu, &self.resources, image, irradiance);
         }
         Ok(changed)
     }
 
-    /// Adds the prepared flare to what `target` holds, in one render pass.
+    /// Adds the prepared flare to what `target` holds. `timed` is a timer and the number of the pass that all this is.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         target: &Target,
-        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+        timed: Option<(&PassTimer, u32)>,
     ) {
+        let begin = timed.and_then(|(timer, pass)| timer.pass_begin(pass));
+        let is_begun = begin.is_none();
+        let begin = if self.is_lit {
+            self.ghosts.encode_soft(encoder, target, begin)
+        } else {
+            begin
+        };
+        let end = timed.and_then(|(timer, pass)| {
+            if begin.is_some() || is_begun {
+                timer.pass(pass)
+            } else {
+                timer.pass_end(pass)
+            }
+        });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("flare"),
             color_attachments: &[target.loaded()],
-            timestamp_writes: timestamps,
+            timestamp_writes: end,
             ..Default::default()
         });
         if !self.is_lit {
             return;
         }
-        self.ghosts.draw(&mut pass);
+        self.ghosts.draw_sharp(&mut pass);
         pass.set_pipeline(&self.sprites);
         let images = self.images.iter().map(|(_, sprite)| sprite);
         for sprite in images.chain(self.starburst.iter().map(|starburst| &starburst.sprite)) {

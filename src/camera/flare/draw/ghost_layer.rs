@@ -3,11 +3,16 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec2;
 
 use super::resources::{Blending, Resources};
+use super::soft_levels::{SoftLevels, SoftPipelines, SoftTask};
+use super::soft_masks::IrisMasks;
+use super::soft_plan::{ImageScale, SoftPlan, vertex_ranges};
+use crate::camera::flare::ghost::GhostTriangles;
 use crate::camera::flare::{Aperture, FlareMesh, FlareVertex};
 use crate::camera::shaders::GHOST;
-use crate::gpu::{Gpu, Uniform, empty_buffer, filled_texture, shader_module};
+use crate::gpu::{BySize, Gpu, Target, Uniform, empty_buffer, shader_module};
 
 /// Layout of `FlareFrame` in `shaders/camera/ghost.wgsl`, where each field is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -15,148 +20,252 @@ use crate::gpu::{Gpu, Uniform, empty_buffer, filled_texture, shader_module};
 #[allow(missing_docs)]
 pub struct FlareFrame {
     pub half_mm: [f32; 2],
-    pub mask_extent: f32,
-    pub padding_a: f32,
+    pub centre_mm: [f32; 2],
     pub irradiance: [f32; 3],
-    pub padding_b: f32,
+    pub padding: f32,
 }
 
-/// Size of the aperture's mask, texels.
-const MASK_SIZE: u32 = 512;
-/// Half the mask's side in radii of the stop: beyond it no light passes.
-const MASK_EXTENT: f64 = 1.1;
+/// A ghost's attributes in `shaders/camera/ghost.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GhostRecord {
+    /// Its centre on the sensor, millimetres.
+    pub centre_mm: [f32; 2],
+    /// How much it is enlarged about that.
+    pub enlarged: [f32; 2],
+    /// Radii of the discs that soften it, in the iris and on the front, in their own.
+    pub soft: [f32; 2],
+}
+
+impl GhostRecord {
+    /// As `shaders/camera/ghost.wgsl` takes them.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+        wgpu::vertex_attr_array![5 => Float32x2, 6 => Float32x2, 7 => Float32x2];
+    /// As it is.
+    const PLAIN: Self = Self {
+        centre_mm: [0.0; 2],
+        enlarged: [1.0; 2],
+        soft: [0.0; 2],
+    };
+}
+
 /// Most vertices in one buffer.
 const MAX_VERTICES: u64 = 3_000_000;
-
-/// Triangles of one buffer that are drawn with one pipeline.
-struct Draw {
-    blending: Blending,
-    buffer: usize,
-    vertices: Range<u32>,
-}
 
 /// Pipelines, the aperture's mask, and vertex buffers that grow with the mesh.
 pub struct GhostLayer {
     added: wgpu::RenderPipeline,
     masks: wgpu::RenderPipeline,
+    soft: SoftPipelines,
     frame: Option<FlareFrame>,
     uniform: Uniform<FlareFrame>,
-    group: Option<wgpu::BindGroup>,
+    iris: Option<(IrisMasks, wgpu::BindGroup)>,
+    levels: BySize<SoftLevels>,
     buffers: Vec<wgpu::Buffer>,
-    draws: Vec<Draw>,
+    /// Vertices in one buffer.
+    capacity: usize,
+    records: Option<wgpu::Buffer>,
+    ghosts: Vec<GhostTriangles>,
+    ranges: Vec<Range<usize>>,
+    plan: Option<(ImageScale, SoftPlan)>,
+    /// What hides the ghosts that add up, and what adds to what is left.
+    over: [Range<usize>; 2],
 }
 
 impl GhostLayer {
     /// Compiles the pipelines.
     pub fn new(gpu: &Gpu, resources: &Resources) -> Self {
         let module = shader_module(gpu, &GHOST);
-        let buffers = [wgpu::VertexBufferLayout {
-            array_stride: size_of::<FlareVertex>() as u64,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &FlareVertex::ATTRIBUTES,
-        }];
-        let topology = wgpu::PrimitiveTopology::TriangleList;
-        let pipeline = |blending| resources.pipeline(gpu, &module, &buffers, topology, blending);
+        let buffers = [
+            wgpu::VertexBufferLayout {
+                array_stride: size_of::<FlareVertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &FlareVertex::ATTRIBUTES,
+            },
+            wgpu::VertexBufferLayout {
+                array_stride: size_of::<GhostRecord>() as u64,
+                step_mode: wgpu::VertexStepMode::Instance,
+                attributes: &GhostRecord::ATTRIBUTES,
+            },
+        ];
+        let pipeline = |blending| resources.ghost_pipeline(gpu, &module, &buffers, blending);
+        let vertex_bytes = size_of::<FlareVertex>() as u64;
+        let capacity = (gpu.device.limits().max_buffer_size / vertex_bytes).min(MAX_VERTICES) / 3 * 3;
         Self {
             added: pipeline(Blending::Added),
             masks: pipeline(Blending::Masks),
+            soft: SoftPipelines::new(gpu, resources),
             frame: None,
             uniform: Uniform::new(gpu, "ghosts"),
-            group: None,
+            iris: None,
+            levels: BySize::default(),
             buffers: Vec::new(),
-            draws: Vec::new(),
+            capacity: capacity as usize,
+            records: None,
+            ghosts: Vec::new(),
+            ranges: Vec::new(),
+            plan: None,
+            over: [0..0, 0..0],
         }
     }
 
     /// Takes another aperture.
     pub fn set_aperture(&mut self, gpu: &Gpu, resources: &Resources, aperture: &Aperture) {
-        let texels = aperture.mask(MASK_SIZE, MASK_EXTENT);
-        let format = wgpu::TextureFormat::R8Unorm;
-        let mask = filled_texture(gpu, "aperture", [MASK_SIZE; 2], format, &texels);
-        self.group = Some(resources.group(gpu, self.uniform.binding(), &mask));
+        let masks = IrisMasks::new(gpu, aperture);
+        let group = resources.ghost_group(gpu, self.uniform.binding(), &masks);
+        self.iris = Some((masks, group));
+        // They look up the mask.
+        self.levels.clear();
+        self.frame = None;
     }
 
-    /// Says what the image spans to each side, millimetres, and the light's irradiance, linear sRGB. True when that is new.
-    pub fn set_frame(&mut self, gpu: &Gpu, half_mm: [f64; 2], irradiance: [f64; 3]) -> bool {
+    /// Says what the image of `size` pixels spans to each side, millimetres, and the light's irradiance, linear sRGB. True when that
+    /// is new.
+    pub fn set_frame(
+        &mut self,
+        gpu: &Gpu,
+        resources: &Resources,
+        (size, half_mm): ([u32; 2], [f64; 2]),
+        irradiance: [f64; 3],
+    ) -> bool {
+        let Some((masks, _)) = &self.iris else {
+            return false;
+        };
+        let levels = self
+            .levels
+            .select(size, || SoftLevels::new(gpu, resources, size, masks));
         let frame = FlareFrame {
             half_mm: half_mm.map(|half| half as f32),
-            mask_extent: MASK_EXTENT as f32,
-            padding_a: 0.0,
+            centre_mm: [0.0; 2],
             irradiance: irradiance.map(|channel| channel as f32),
-            padding_b: 0.0,
+            padding: 0.0,
         };
-        if self.frame == Some(frame) {
+        let scale = ImageScale {
+            half_mm: DVec2::from_array(half_mm),
+            size: DVec2::new(f64::from(size[0]), f64::from(size[1])),
+        };
+        let is_planned = self.plan.as_ref().is_some_and(|(known, _)| *known == scale);
+        if self.frame == Some(frame) && is_planned {
             return false;
         }
         self.uniform.write(gpu, &frame);
+        levels.set_frame(gpu, &frame);
         self.frame = Some(frame);
+        if !is_planned {
+            let plan = SoftPlan::new(&self.ghosts, &scale, levels.max_level());
+            let of_ghosts = self.ghosts.iter().zip(&plan.enlarged);
+            let records: Vec<GhostRecord> = std::iter::once(GhostRecord::PLAIN)
+                .chain(of_ghosts.map(|(ghost, enlarged)| GhostRecord {
+                    centre_mm: enlarged.centre_mm.as_vec2().to_array(),
+                    enlarged: enlarged.by.as_vec2().to_array(),
+                    soft: ghost.in_iris.unwrap_or_default().map(|radius| radius as f32),
+                }))
+                .collect();
+            let bytes = size_of_val(records.as_slice()) as u64;
+            let buffer = grown(gpu, self.records.take(), bytes);
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&records));
+            self.records = Some(buffer);
+            self.plan = Some((scale, plan));
+        }
         true
     }
 
     /// Takes another mesh. Buffers are made anew only when one is too small, at least twice as large then.
     pub fn set_mesh(&mut self, gpu: &Gpu, mesh: &FlareMesh) {
-        let vertex_bytes = size_of::<FlareVertex>() as u64;
-        let capacity =
-            (gpu.device.limits().max_buffer_size / vertex_bytes).min(MAX_VERTICES) as usize / 3 * 3;
-        let mut parts: Vec<(Draw, &[FlareVertex])> = Vec::new();
-        let (mut buffer_index, mut used) = (0, 0);
-        for (blending, mut rest) in [
-            (Blending::Added, mesh.added.as_slice()),
-            (Blending::Masks, mesh.masks.as_slice()),
-            (Blending::Added, mesh.above.as_slice()),
-        ] {
+        let counts = [mesh.added.len(), mesh.masks.len(), mesh.above.len()];
+        let total: usize = counts.iter().sum();
+        let bytes_of = |vertices: usize| (vertices * size_of::<FlareVertex>()) as u64;
+        for (index, start) in (0..total).step_by(self.capacity).enumerate() {
+            let bytes = bytes_of(self.capacity.min(total - start));
+            let known = (index < self.buffers.len()).then(|| self.buffers.remove(index));
+            self.buffers.insert(index, grown(gpu, known, bytes));
+        }
+        let mut at = 0;
+        for part in [&mesh.added, &mesh.masks, &mesh.above] {
+            let mut rest = part.as_slice();
             while !rest.is_empty() {
-                if used == capacity {
-                    (buffer_index, used) = (buffer_index + 1, 0);
-                }
-                let (part, after) = rest.split_at(rest.len().min(capacity - used));
-                let draw = Draw {
-                    blending,
-                    buffer: buffer_index,
-                    vertices: used as u32..(used + part.len()) as u32,
-                };
-                used += part.len();
-                rest = after;
-                parts.push((draw, part));
+                let (buffer, used) = (at / self.capacity, at % self.capacity);
+                let (now, after) = rest.split_at(rest.len().min(self.capacity - used));
+                gpu.queue
+                    .write_buffer(&self.buffers[buffer], bytes_of(used), bytemuck::cast_slice(now));
+                (at, rest) = (at + now.len(), after);
             }
         }
-        for index in 0..=buffer_index {
-            let needed = if index < buffer_index { capacity } else { used };
-            let fits = self
-                .buffers
-                .get(index)
-                .is_some_and(|buffer| buffer.size() >= needed as u64 * vertex_bytes);
-            if needed == 0 || fits {
-                continue;
-            }
-            let size = needed.next_power_of_two().min(capacity) as u64 * vertex_bytes;
-            let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
-            let larger = empty_buffer(gpu, "ghosts", size, usage);
-            if index < self.buffers.len() {
-                self.buffers[index] = larger;
-            } else {
-                self.buffers.push(larger);
-            }
-        }
-        for (draw, part) in &parts {
-            let offset = u64::from(draw.vertices.start) * vertex_bytes;
-            gpu.queue
-                .write_buffer(&self.buffers[draw.buffer], offset, bytemuck::cast_slice(part));
-        }
-        self.draws = parts.into_iter().map(|(draw, _)| draw).collect();
+        self.over = [counts[0]..counts[0] + counts[1], counts[0] + counts[1]..total];
+        self.ranges = vertex_ranges(&mesh.ghosts);
+        self.ghosts.clone_from(&mesh.ghosts);
+        self.plan = None;
     }
 
-    /// Draws them.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let Some(group) = &self.group else { return };
+    /// Draws the ghosts that need not the image's own pixels, or are softened on the sensor, onto what `image` holds. `begin` is
+    /// given to the first pass; what is left of it comes back.
+    pub fn encode_soft<'a>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        image: &Target,
+        begin: Option<wgpu::RenderPassTimestampWrites<'a>>,
+    ) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
+        let (Some(levels), Some((_, plan))) = (self.levels.current(), &self.plan) else {
+            return begin;
+        };
+        let draw = |pass: &mut wgpu::RenderPass<'_>, ghosts: &[usize]| self.draw_ghosts(pass, ghosts);
+        let task = SoftTask {
+            pipelines: &self.soft,
+            plan,
+            image,
+        };
+        levels.encode(encoder, task, draw, begin)
+    }
+
+    /// Draws the ghosts that need the image's own pixels, and those that lie over others.
+    pub fn draw_sharp(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let (Some((_, group)), Some(records)) = (&self.iris, &self.records) else {
+            return;
+        };
         pass.set_bind_group(0, group, &[]);
-        for draw in &self.draws {
-            pass.set_pipeline(match draw.blending {
-                Blending::Added => &self.added,
-                Blending::Masks => &self.masks,
-            });
-            pass.set_vertex_buffer(0, self.buffers[draw.buffer].slice(..));
-            pass.draw(draw.vertices.clone(), 0..1);
+        if let Some((_, plan)) = &self.plan {
+            self.draw_ghosts(pass, &plan.in_iris[0]);
+        }
+        pass.set_vertex_buffer(1, records.slice(..));
+        for (pipeline, range) in [&self.masks, &self.added].into_iter().zip(&self.over) {
+            pass.set_pipeline(pipeline);
+            self.draw_vertices(pass, range, 0);
+        }
+    }
+
+    /// Draws ghosts by their numbers; their group is set.
+    fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>, ghosts: &[usize]) {
+        let Some(records) = &self.records else { return };
+        pass.set_pipeline(&self.added);
+        pass.set_vertex_buffer(1, records.slice(..));
+        for &ghost in ghosts {
+            // The first record is that of no ghost.
+            self.draw_vertices(pass, &self.ranges[ghost], ghost as u32 + 1);
+        }
+    }
+
+    fn draw_vertices(&self, pass: &mut wgpu::RenderPass<'_>, range: &Range<usize>, record: u32) {
+        let mut at = range.start;
+        while at < range.end {
+            let (buffer, from) = (at / self.capacity, at % self.capacity);
+            let to = (from + range.end - at).min(self.capacity);
+            pass.set_vertex_buffer(0, self.buffers[buffer].slice(..));
+            pass.draw(from as u32..to as u32, record..record + 1);
+            at += to - from;
+        }
+    }
+}
+
+/// A vertex buffer of at least so many bytes: the known one, or one that has room to grow.
+fn grown(gpu: &Gpu, known: Option<wgpu::Buffer>, bytes: u64) -> wgpu::Buffer {
+    match known {
+        Some(buffer) if buffer.size() >= bytes => buffer,
+        other => {
+            let size = bytes
+                .max(2 * other.map_or(0, |buffer| buffer.size()))
+                .min(gpu.device.limits().max_buffer_size);
+            let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+            empty_buffer(gpu, "ghosts", size, usage)
         }
     }
 }

@@ -41,7 +41,7 @@ impl<'a> FlareImager<'a> {
     /// When the device fails.
     pub fn draw(&mut self, request: &FlareRequest, size: [u32; 2]) -> Result<FlareImage, GpuError> {
         let gpu = self.gpu;
-        self.effect.prepare(gpu, request)?;
+        self.effect.prepare(gpu, request, size)?;
         let (_, target) = match self.target.take() {
             Some(known) if known.0 == size => self.target.insert(known),
             _ => self
@@ -54,7 +54,7 @@ impl<'a> FlareImager<'a> {
             color_attachments: &[target.cleared(wgpu::Color::TRANSPARENT)],
             ..Default::default()
         }));
-        self.effect.encode(&mut encoder, target, self.timer.pass(0));
+        self.effect.encode(&mut encoder, target, Some((&self.timer, 0)));
         self.timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;

@@ -105,6 +105,7 @@ impl FlareRequest {
                 angle: self.light.angle,
                 azimuth: self.light.azimuth,
                 f_number: self.f_number,
+                angular_radius: self.light.angular_radius,
             },
             ghosts: GhostParameters { pattern, ..ghosts },
             table: rays,

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::resources::{Blending, Resources};
+use super::resources::Resources;
 use crate::camera::shaders::SPRITE;
 use crate::gpu::{Gpu, Uniform, filled_texture, shader_module};
 
@@ -21,13 +21,7 @@ pub struct SpriteFrame {
 
 /// The pipeline of sprites.
 pub fn sprite_pipeline(gpu: &Gpu, resources: &Resources) -> wgpu::RenderPipeline {
-    resources.pipeline(
-        gpu,
-        &shader_module(gpu, &SPRITE),
-        &[],
-        wgpu::PrimitiveTopology::TriangleStrip,
-        Blending::Added,
-    )
+    resources.sprite_pipeline(gpu, &shader_module(gpu, &SPRITE))
 }
 
 /// One image on the device.

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::linear::LinearGhost;
+use super::linear::{LinearGhost, MAX_SOFTNESS};
+use super::softness::Softness;
 use super::vertex::{FlareSource, FlareVertex};
 use crate::camera::flare::Wavelength;
 use crate::camera::ray_bundles::Bundle;
@@ -20,6 +21,32 @@ pub struct RayGrid {
     /// The rays; none where one gets lost.
     pub rays: Vec<Option<TracedRay>>,
 }
+
+/// How a grid is drawn.
+#[derive(Clone, Copy)]
+pub struct GridDrawing {
+    /// The light.
+    pub source: FlareSource,
+    /// The colour.
+    pub colour: Wavelength,
+    /// Radius of the iris, millimetres.
+    pub stop_mm: f64,
+    /// How the ghost is softened.
+    pub softness: Softness,
+    /// Of the ghost's radiance.
+    pub fraction: f64,
+    /// Of what lies below, hidden.
+    pub opacity: f64,
+}
+
+/// Height by the barrel up to which triangles are drawn: the edge is as soft as a texel at least.
+const EDGE_HEIGHT: f64 = 1.2;
+
+/// How much brighter a vertex may be than its triangle alone.
+const MAX_BRIGHTER: f64 = 2.0;
+
+/// Height in the stop, in radii of the iris, up to which a point of light's rays are kept.
+pub const MARGIN_STOP: f64 = 1.05;
 
 /// Rays along an edge of the grid that finds where a ghost's light comes in.
 pub const SEARCH_RAYS: usize = 25;
@@ -42,8 +69,8 @@ impl RayGrid {
     }
 
     /// Of a grid over the whole entrance: the part that gets through, with a cell round it and the linear pupil; none when
-    /// nothing does.
-    pub fn window(&self, linear: &LinearGhost) -> Option<[DVec2; 2]> {
+    /// nothing does. `max_stop` is the height in the stop up to which rays count, in radii of the iris.
+    pub fn window(&self, linear: &LinearGhost, max_stop: f64) -> Option<[DVec2; 2]> {
         let all = DVec2::splat(linear.barrel_mm);
         let cell = 2.0 * linear.barrel_mm / (self.size - 1) as f64;
         let (mut min, mut max) = (linear.centre - linear.half, linear.centre + linear.half);
@@ -52,7 +79,7 @@ impl RayGrid {
         }
         for (k, ray) in self.rays.iter().enumerate() {
             let passes = |ray: &TracedRay| {
-                ray.relative_height <= 1.05 && ray.stop_mm.length() <= 1.05 * linear.stop_mm
+                ray.relative_height <= 1.05 && ray.stop_mm.length() <= max_stop * linear.stop_mm
             };
             if ray.as_ref().is_some_and(passes) {
                 min = min.min(self.entry(k) - cell);
@@ -63,51 +90,84 @@ impl RayGrid {
         (min.x < max.x && min.y < max.y).then_some([min, max])
     }
 
-    /// Triangles on the sensor, of a fraction of the ghost's radiance and an opacity.
-    pub fn triangles(
-        &self,
-        source: &FlareSource,
-        colour: Wavelength,
-        stop_mm: f64,
-        fraction: f64,
-        opacity: f64,
-    ) -> Vec<FlareVertex> {
+    /// Triangles on the sensor.
+    pub fn triangles(&self, drawing: &GridDrawing) -> Vec<FlareVertex> {
+        let GridDrawing {
+            source,
+            colour,
+            stop_mm,
+            softness,
+            fraction,
+            opacity,
+        } = *drawing;
+        let [max_stop, max_height] = [softness.stop, softness.front].map(|radius| radius.min(MAX_SOFTNESS));
         let (min, max, size, rays) = (self.min, self.max, self.size, &self.rays);
-        let area = (max - min).element_product() / ((size - 1) * (size - 1)) as f64;
-        let mut vertices = Vec::new();
+        let cell = (max - min).element_product() / ((size - 1) * (size - 1)) as f64;
+        let mut triangles: Vec<[usize; 3]> = Vec::new();
+        // Areas that the triangles round each ray land on, and their number: those that keep their orientation, and those that do not.
+        let mut landed = vec![[(0.0, 0_u32); 2]; size * size];
         for row in 0..size - 1 {
             for column in 0..size - 1 {
-                let at = |dx: usize, dy: usize| rays[(row + dy) * size + column + dx];
-                let (Some(a), Some(b), Some(c), Some(d)) = (at(0, 0), at(1, 0), at(1, 1), at(0, 1)) else {
+                let first = row * size + column;
+                let [a, b, c, d] = [first, first + 1, first + size + 1, first + size];
+                if [a, b, c, d].iter().any(|&k| rays[k].is_none()) {
                     continue;
-                };
-                for triangle in [[a, b, c], [a, c, d]] {
-                    let nearest = |key: fn(&TracedRay, f64) -> f64| {
-                        triangle
-                            .iter()
-                            .map(|ray| key(ray, stop_mm))
-                            .fold(f64::INFINITY, f64::min)
-                    };
-                    if nearest(|ray, _| ray.relative_height) > 1.0
-                        || nearest(|ray, stop_mm| ray.stop_mm.length() / stop_mm) > 1.5
-                    {
-                        continue;
-                    }
-                    let [p, q, r] = triangle.map(|ray| ray.sensor_mm);
-                    let landed = 0.5 * (q - p).perp_dot(r - p).abs();
-                    if landed < 1e-12 {
-                        continue;
-                    }
-                    vertices.extend(triangle.map(|ray| FlareVertex {
-                        sensor_mm: source.rotated(ray.sensor_mm),
-                        stop: source.rotated(ray.stop_mm / -stop_mm),
-                        barrel: [ray.relative_height as f32, 0.0],
-                        radiance: source.radiance(colour, fraction * ray.power, 0.5 * area / landed),
-                        opacity: opacity as f32,
-                    }));
                 }
+                for triangle in [[a, b, c], [a, c, d]] {
+                    let area = signed_area(triangle.map(|k| rays[k]));
+                    for k in triangle {
+                        let (sum, count) = &mut landed[k][usize::from(area < 0.0)];
+                        *sum += area.abs();
+                        *count += 1;
+                    }
+                    triangles.push(triangle);
+                }
+            }
+        }
+        let mut vertices: Vec<FlareVertex> = Vec::with_capacity(3 * triangles.len());
+        // What the triangles get, and what they would be drawn with.
+        let (mut given, mut drawn) = (0.0, 0.0);
+        for triangle in triangles {
+            let corners = triangle.map(|k| rays[k]);
+            let nearest = |of: &dyn Fn(&TracedRay) -> f64| {
+                corners.iter().flatten().map(of).fold(f64::INFINITY, f64::min)
+            };
+            let area = signed_area(corners);
+            if nearest(&|ray| ray.relative_height) > EDGE_HEIGHT + max_height
+                || nearest(&|ray| ray.stop_mm.length() / stop_mm) > 1.5 + max_stop
+                || area.abs() < 1e-12
+            {
+                continue;
+            }
+            let light = corners.iter().flatten().map(|ray| ray.power).sum::<f64>() / 3.0;
+            given += light * 0.5 * cell;
+            for (k, ray) in triangle.into_iter().zip(corners.into_iter().flatten()) {
+                // The mean round the ray, so that no triangle is told from its neighbours; but none so bright that it would have
+                // more light than it gets.
+                let (sum, count) = landed[k][usize::from(area < 0.0)];
+                let areas = (0.5 * cell * f64::from(count) / sum).min(MAX_BRIGHTER * 0.5 * cell / area.abs());
+                drawn += ray.power * areas * area.abs() / 3.0;
+                vertices.push(FlareVertex {
+                    sensor_mm: source.rotated(ray.sensor_mm),
+                    stop: source.rotated(ray.stop_mm / -stop_mm),
+                    barrel: [ray.relative_height as f32, 0.0],
+                    radiance: source.radiance(colour, fraction * ray.power, areas),
+                    opacity: opacity as f32,
+                });
+            }
+        }
+        if drawn > 0.0 {
+            let scale = (given / drawn) as f32;
+            for vertex in &mut vertices {
+                vertex.radiance = vertex.radiance.map(|channel| channel * scale);
             }
         }
         vertices
     }
+}
+
+/// Area that three rays land on, negative where the ghost is upside down there.
+fn signed_area(rays: [Option<TracedRay>; 3]) -> f64 {
+    let [a, b, c] = rays.map(|ray| ray.map_or(DVec2::ZERO, |ray| ray.sensor_mm));
+    0.5 * (b - a).perp_dot(c - a)
 }

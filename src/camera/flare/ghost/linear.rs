@@ -2,9 +2,13 @@
 
 use glam::DVec2;
 
+use super::softness::Softness;
 use crate::camera::lens::Lens;
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::Ghost;
+
+/// Radius of a softened iris' edge, in radii of the iris, up to which ghosts are softened in the iris.
+pub const MAX_SOFTNESS: f64 = 0.75;
 
 /// One ghost in one colour by its matrices.
 pub struct LinearGhost {
@@ -53,9 +57,25 @@ impl LinearGhost {
         }
     }
 
+    /// The same with a flare quad that a softened ghost does not outgrow.
+    pub fn softened(self, softness: &Softness) -> Self {
+        let grown = |radius: f64| 1.0 + radius.min(MAX_SOFTNESS);
+        let barrel = DVec2::splat(self.barrel_mm * grown(softness.front));
+        let half = DVec2::splat((self.stop_mm / self.a[0]).abs() * grown(softness.stop));
+        let pupil = -self.a[1] / self.a[0] * self.slope;
+        let (min, max) = ((pupil - half).max(-barrel), (pupil + half).min(barrel));
+        let quad = [0.5 * (min + max), 0.5 * (max - min)];
+        Self { quad, ..self }
+    }
+
+    /// Whether more of the ghost's edge is the front's than the iris's: the pupil is wider than the front.
+    pub fn is_front_bound(&self) -> bool {
+        (self.stop_mm / self.a[0]).abs() > self.barrel_mm
+    }
+
     /// The same with a flare quad over the whole front of the lens.
     pub fn with_whole_entrance(self) -> Self {
-        let quad = [DVec2::ZERO, DVec2::splat(self.barrel_mm)];
+        let quad = [DVec2::ZERO, DVec2::splat(self.barrel_mm).max(self.quad[1])];
         Self { quad, ..self }
     }
 

@@ -6,24 +6,25 @@
 //! - **blended**: quads where ghosts are nearly linear, grids where they are not, traced or out of a table
 //!   (KR 10-1658883).
 //!
-//! Energy: a beam of irradiance E on the entrance arrives as E · power · |entrance area / sensor area|. A scene of radiance
-//! L gives the sensor π L / (4 N²) at f-number N, so that a ghost adds the radiance E · power · areas · 4 N² / π.
+//! Energy: a beam of irradiance E at an angle a gives the entrance E · cos a, and arrives as E · cos a · power · |entrance area /
+//! sensor area|. A scene of radiance L gives the sensor π L / (4 N²) at f-number N, so that a ghost adds the radiance
+//! E · cos a · power · areas · 4 N² / π.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::blend::{Blend, Fit, fitted, fractions};
-use super::grid::{RayGrid, SEARCH_RAYS};
-use super::linear::{LinearGhost, stop_radius};
+use super::blend::{Blend, fractions};
+use super::linear::{LinearGhost, MAX_SOFTNESS, stop_radius};
+use super::nonlinear_images::{Context, Optics, Part};
 use super::nonlinearity::nonlinearity;
 use super::parameters::{FlareMode, FlareParameters, Pattern};
-use super::quad::{Losses, quad, two_rays};
+use super::quad::{quad, two_rays};
+use super::softness::Softness;
 use super::vertex::FlareVertex;
-use crate::camera::flare::{Wavelength, spectrum};
+use crate::camera::flare::spectrum;
 use crate::camera::lens::D_LINE_UM;
 use crate::camera::paraxial::Paraxial;
-use crate::camera::path::{Ghost, single_crossing_ghosts};
-use crate::camera::ray_bundles::Bundle;
+use crate::camera::path::single_crossing_ghosts;
 use crate::camera::trace::Tracer;
 use crate::gpu::GpuError;
 
@@ -32,13 +33,108 @@ use crate::gpu::GpuError;
 pub struct FlareMesh {
     /// Ghosts that add up.
     pub added: Vec<FlareVertex>,
+    /// Which of those belong together, in their order.
+    pub ghosts: Vec<GhostTriangles>,
     /// What hides those, without light of its own.
     pub masks: Vec<FlareVertex>,
     /// Ghosts that add to what is left.
     pub above: Vec<FlareVertex>,
 }
 
+/// Triangles of one image of a ghost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GhostTriangles {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Radius of the disc that each of its points becomes, millimetres.
+    pub radius_mm: f64,
+    /// Where it becomes that: radii in the iris and on the front, in their own; none for on the sensor.
+    pub in_iris: Option<[f64; 2]>,
+    /// Least and greatest coordinates on the sensor, millimetres.
+    pub bounds_mm: [DVec2; 2],
+    /// Area that it covers in each colour, square millimetres: what a round iris and the barrel let through.
+    pub area_mm2: f64,
+    /// Radiance by that area, all channels: square millimetres for a light of irradiance 1.
+    pub light: f64,
+}
+
+impl GhostTriangles {
+    fn new(vertices: &[FlareVertex], colours: usize, radius_mm: f64, in_iris: Option<[f64; 2]>) -> Self {
+        let at = |vertex: &FlareVertex| glam::Vec2::from_array(vertex.sensor_mm).as_dvec2();
+        let empty = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        // Quads are as large as all of their ghost.
+        let points = if vertices.len() > 6 * colours { 1 } else { 12 };
+        let (mut area_mm2, mut light) = (0.0, 0.0);
+        for triangle in vertices.chunks_exact(3) {
+            let lit = lit_fraction(triangle, points);
+            area_mm2 += lit * triangle_area_mm2(triangle) / colours as f64;
+            light += lit * triangle_light(triangle);
+        }
+        Self {
+            vertices: vertices.len(),
+            radius_mm,
+            in_iris,
+            bounds_mm: vertices
+                .iter()
+                .map(at)
+                .fold(empty, |[min, max], at| [min.min(at), max.max(at)]),
+            area_mm2,
+            light,
+        }
+    }
+}
+
+/// Part of a triangle that iris and barrel let through, by points along an edge.
+fn lit_fraction(triangle: &[FlareVertex], points: usize) -> f64 {
+    let mix = |of: fn(&FlareVertex) -> [f32; 2], weights: [f32; 3]| {
+        let parts = triangle.iter().zip(weights);
+        parts
+            .map(|(vertex, weight)| weight * glam::Vec2::from_array(of(vertex)))
+            .sum::<glam::Vec2>()
+    };
+    let (mut lit, mut all) = (0, 0);
+    for i in 0..points {
+        for j in 0..points - i {
+            let unit = 1.0 / points as f32;
+            let (a, b) = ((i as f32 + 1.0 / 3.0) * unit, (j as f32 + 1.0 / 3.0) * unit);
+            let weights = [1.0 - a - b, a, b];
+            let is_lit = mix(|vertex| vertex.stop, weights).length() <= 1.0
+                && mix(|vertex| vertex.barrel, weights).length() <= 1.0;
+            lit += usize::from(is_lit);
+            all += 1;
+        }
+    }
+    lit as f64 / all as f64
+}
+
 impl FlareMesh {
+    /// Adds images of ghosts, each in so many colours.
+    fn add(&mut self, images: Vec<(Softness, Vec<FlareVertex>)>, colours: usize) {
+        for (softness, vertices) in images {
+            let in_iris = [softness.stop, softness.front];
+            let mut push = |vertices: Vec<FlareVertex>, radius_mm: f64, in_iris: Option<[f64; 2]>| {
+                if !vertices.is_empty() {
+                    self.ghosts
+                        .push(GhostTriangles::new(&vertices, colours, radius_mm, in_iris));
+                    self.added.extend(vertices);
+                }
+            };
+            let is_blurred = softness.stop > MAX_SOFTNESS || softness.front > MAX_SOFTNESS;
+            let light: f64 = vertices.chunks_exact(3).map(triangle_light).sum();
+            let (folds, rest) = folded(vertices);
+            let in_folds: f64 = folds.chunks_exact(3).map(triangle_light).sum();
+            // More an image of the light than of the iris, or too unlike one.
+            let is_blurred = is_blurred || in_folds > MAX_IN_FOLDS * light;
+            let rest = if is_blurred {
+                widened(rest, WIDENED * softness.edge_mm)
+            } else {
+                rest
+            };
+            push(rest, softness.edge_mm, (!is_blurred).then_some(in_iris));
+            push(widened(folds, WIDENED * softness.fold_mm), softness.fold_mm, None);
+        }
+    }
+
     /// Number of triangles.
     pub fn triangles(&self) -> usize {
         (self.added.len() + self.masks.len() + self.above.len()) / 3
@@ -52,25 +148,70 @@ impl FlareMesh {
     }
 }
 
+/// Fraction of a ghost's light in its folds up to which it is softened as an image of the iris.
+const MAX_IN_FOLDS: f64 = 0.12;
+
+/// Radiance of a ghost's folds, at least, by its mean.
+const FOLD_RADIANCE: f64 = 4.0;
+
+/// Triangles of a ghost that are much brighter than its mean, and the others.
+fn folded(vertices: Vec<FlareVertex>) -> (Vec<FlareVertex>, Vec<FlareVertex>) {
+    let triangles = || vertices.chunks_exact(3);
+    let area: f64 = triangles().map(triangle_area_mm2).sum();
+    let bright = FOLD_RADIANCE * triangles().map(triangle_light).sum::<f64>() / area;
+    let (folds, rest): (Vec<&[FlareVertex]>, Vec<&[FlareVertex]>) =
+        triangles().partition(|triangle| triangle_light(triangle) > bright * triangle_area_mm2(triangle));
+    (folds.concat(), rest.concat())
+}
+
+/// Least width of the triangles that are softened on the sensor, by the radius: a texel of those that they are drawn on.
+const WIDENED: f64 = 0.2;
+
+/// Triangles no narrower than `min_mm`, each with the light that it had: folds lay much light on slivers that fall between texels.
+fn widened(mut vertices: Vec<FlareVertex>, min_mm: f64) -> Vec<FlareVertex> {
+    for triangle in vertices.chunks_exact_mut(3) {
+        let at = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(triangle[k].sensor_mm).as_dvec2());
+        let edges = [at[1] - at[0], at[2] - at[1], at[0] - at[2]];
+        let longest = edges.into_iter().fold(DVec2::ZERO, |longest, edge| {
+            if edge.length() > longest.length() {
+                edge
+            } else {
+                longest
+            }
+        });
+        let area = 0.5 * edges[0].perp_dot(edges[1]).abs();
+        let height = 2.0 * area / longest.length().max(1e-12);
+        if height >= min_mm || area == 0.0 {
+            continue;
+        }
+        let along = longest.normalize_or(DVec2::X);
+        let scale = DVec2::new((min_mm / longest.length()).max(1.0), min_mm / height);
+        let centre = (at[0] + at[1] + at[2]) / 3.0;
+        for (vertex, at) in triangle.iter_mut().zip(at) {
+            let from_centre = DVec2::new(along.x, -along.y).rotate(at - centre) * scale;
+            vertex.sensor_mm = (centre + along.rotate(from_centre)).as_vec2().to_array();
+            vertex.radiance = vertex
+                .radiance
+                .map(|channel| channel / (scale.x * scale.y) as f32);
+        }
+    }
+    vertices
+}
+
+/// Radiance of a triangle, all channels, by its area.
+fn triangle_light(triangle: &[FlareVertex]) -> f64 {
+    let radiance = triangle
+        .iter()
+        .flat_map(|vertex| vertex.radiance)
+        .map(f64::from)
+        .sum::<f64>()
+        / 3.0;
+    radiance * triangle_area_mm2(triangle)
+}
+
 fn triangle_area_mm2(triangle: &[FlareVertex]) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(triangle[k].sensor_mm).as_dvec2());
     0.5 * (b - a).perp_dot(c - a).abs()
-}
-
-/// Rays traced and turned into triangles at a time.
-const RAYS_AT_ONCE: usize = 1 << 18;
-
-/// A ghost and the fractions of its linear and its nonlinear image.
-struct Part {
-    ghost: Ghost,
-    linear: f64,
-    nonlinear: f64,
-}
-
-/// The optics of one colour.
-struct Optics {
-    colour: Wavelength,
-    paraxial: Paraxial,
 }
 
 /// Triangles of a flare.
@@ -93,12 +234,13 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
     let linear_of =
         |ghost, paraxial: &Paraxial| LinearGhost::new(lens, paraxial, ghost, source.angle, stop_mm);
 
+    let mut mesh = FlareMesh::default();
     let quads = parts.par_iter().filter(|part| part.linear > 0.0);
-    let mut added: Vec<FlareVertex> = quads
-        .flat_map_iter(|part| optics.iter().map(move |optics| (part, optics)))
-        .flat_map_iter(|(part, optics)| {
+    let quads_of = |part: &Part| {
+        let softness = Softness::linear(&linear_of(part.ghost, &d_line), &source);
+        let vertices = optics.iter().flat_map(|optics| {
             let tracer = Tracer::new(lens, optics.colour.um, gap);
-            let linear = linear_of(part.ghost, &optics.paraxial);
+            let linear = linear_of(part.ghost, &optics.paraxial).softened(&softness);
             let linear = if ghosts.whole_entrance {
                 linear.with_whole_entrance()
             } else {
@@ -113,102 +255,36 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
                 vertex.radiance = vertex.radiance.map(|channel| channel * part.linear as f32);
             }
             vertices
-        })
-        .collect();
-
-    let masking = &optics[optics.len() / 2];
-    let curved: Vec<&Part> = parts.iter().filter(|part| part.nonlinear > 0.0).collect();
-    let grids_of = |jobs: &[(&Part, &Optics)], grids: Vec<Option<RayGrid>>| -> Vec<FlareVertex> {
-        jobs.par_iter()
-            .zip(grids)
-            .flat_map_iter(|((part, optics), grid)| {
-                let linear = linear_of(part.ghost, &optics.paraxial);
-                let triangles = |grid: RayGrid| {
-                    let grid = if ghosts.fit == Fit::default() {
-                        grid
-                    } else {
-                        let tracer = Tracer::new(lens, optics.colour.um, gap);
-                        match Losses::from_ray(&tracer, &linear, &source, part.ghost) {
-                            Some(losses) => fitted(grid, &linear, &losses, ghosts.fit),
-                            None => grid,
-                        }
-                    };
-                    let opacity = if std::ptr::eq(*optics, masking) {
-                        part.nonlinear
-                    } else {
-                        0.0
-                    };
-                    grid.triangles(&source, optics.colour, stop_mm, part.nonlinear, opacity)
-                };
-                grid.map_or_else(Vec::new, triangles)
-            })
-            .collect()
+        });
+        (softness, vertices.collect())
     };
-    let mut traced = Vec::new();
-    if let (FlareMode::Blended, Some(table)) = (ghosts.mode, parameters.table) {
-        let evaluated = |&part: &&Part| {
-            let evaluated = table.ghost(part.ghost).and_then(|ghost| ghost.at(source.angle));
-            let grid = |optics: &Optics| {
-                evaluated
-                    .as_ref()
-                    .map(|evaluated| evaluated.grid(optics.colour.um, ghosts.rays))
-            };
-            let jobs: Vec<_> = optics.iter().map(|optics| (part, optics)).collect();
-            grids_of(&jobs, optics.iter().map(grid).collect())
-        };
-        traced = curved.par_iter().flat_map_iter(evaluated).collect();
-    } else {
-        // Where each ghost's light comes in, by a coarse grid over the whole front in the centre of the spectrum.
-        let linears: Vec<LinearGhost> = curved.iter().map(|part| linear_of(part.ghost, &d_line)).collect();
-        let whole = |(part, linear): (&&Part, &LinearGhost)| Bundle {
-            ghost: Some(part.ghost),
-            wavelength_um: D_LINE_UM,
-            angle: source.angle,
-            min: DVec2::splat(-linear.barrel_mm),
-            max: DVec2::splat(linear.barrel_mm),
-        };
-        let searches: Vec<Bundle> = curved.iter().zip(&linears).map(whole).collect();
-        let found = parameters.tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
-        let mut jobs = Vec::new();
-        for ((&part, linear), search) in curved.iter().zip(&linears).zip(&found) {
-            if let Some([min, max]) = search.window(linear) {
-                jobs.extend(optics.iter().map(|optics| {
-                    let bundle = Bundle {
-                        ghost: Some(part.ghost),
-                        wavelength_um: optics.colour.um,
-                        angle: source.angle,
-                        min,
-                        max,
-                    };
-                    ((part, optics), bundle)
-                }));
-            }
-        }
-        let at_once = (RAYS_AT_ONCE / ghosts.rays.pow(2).max(1)).max(1);
-        for jobs in jobs.chunks(at_once) {
-            let (jobs, bundles): (Vec<_>, Vec<_>) = jobs.iter().copied().unzip();
-            let grids = parameters.tracing.grids(lens, gap, &bundles, ghosts.rays)?;
-            traced.extend(grids_of(&jobs, grids.into_iter().map(Some).collect()));
-        }
-    }
+    mesh.add(quads.map(quads_of).collect(), optics.len());
+
+    let curved: Vec<&Part> = parts.iter().filter(|part| part.nonlinear > 0.0).collect();
+    let context = Context {
+        parameters,
+        optics: &optics,
+        d_line: &d_line,
+        stop_mm,
+    };
+    let images = match (ghosts.mode, parameters.table) {
+        (FlareMode::Blended, Some(table)) => context.tabled(&curved, table),
+        _ => context.traced(&curved)?,
+    };
     if ghosts.mode != FlareMode::Blended || ghosts.blend != Blend::Alpha {
-        added.extend(traced);
-        traced = Vec::new();
+        mesh.add(images, optics.len());
+        return Ok(mesh);
     }
+    mesh.above = images.into_iter().flat_map(|(_, vertices)| vertices).collect();
     // One colour masks for all: each would hide the others.
-    let masks = traced
-        .iter()
-        .filter(|vertex| vertex.opacity > 0.0)
+    let masks = mesh.above.iter().filter(|vertex| vertex.opacity > 0.0);
+    mesh.masks = masks
         .map(|vertex| FlareVertex {
             radiance: [0.0; 3],
             ..*vertex
         })
         .collect();
-    Ok(FlareMesh {
-        added,
-        masks,
-        above: traced,
-    })
+    Ok(mesh)
 }
 
 /// Which images of which ghosts are drawn.

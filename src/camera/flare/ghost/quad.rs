@@ -42,7 +42,7 @@ pub fn quad(
     VERTICES.map(|(column, row)| vertex(column, row)).to_vec()
 }
 
-/// The same from two entrance points, the ends of the pupil in the plane of the beam: the linear image is similar to the
+/// The same from two rays, through the centre of the pupil and through its farthest point: the linear image is similar to the
 /// entrance, so that they tell a square sprite's centre and half its size, on the sensor and in the stop.
 pub fn two_rays(
     tracer: &Tracer<'_>,
@@ -54,16 +54,19 @@ pub fn two_rays(
     let Some(losses) = Losses::from_ray(tracer, linear, source, ghost) else {
         return Vec::new();
     };
-    let half_extent = linear.half.max_element();
-    let ends = [-half_extent, half_extent].map(|along| linear.centre + DVec2::new(along, 0.0));
-    let [start, end] = ends.map(|entry| [linear.sensor(entry), linear.stop(entry) / -linear.stop_mm]);
-    // Brightness by the ratio of the two lengths, squared.
-    let areas = ((2.0 * half_extent) / (end[0].x - start[0].x)).powi(2);
-    let sprite = |k: usize, unit: DVec2| 0.5 * (start[k] + end[k]) + 0.5 * (end[k].x - start[k].x) * unit;
+    let [centre, half] = linear.quad;
+    let [start, end] =
+        [centre, centre + half].map(|entry| [linear.sensor(entry), linear.stop(entry) / -linear.stop_mm]);
+    // Of what is drawn by what comes in, negative where the image is upside down.
+    let scale = |k: usize| (end[k] - start[k]).dot(half) / half.length_squared();
+    // Brightness by the ratio of the two areas.
+    let areas = scale(0).powi(-2);
+    let half_extent = half.max_element();
+    let sprite = |k: usize, unit: DVec2| start[k] + scale(k) * half_extent * unit;
     VERTICES
         .map(|(column, row)| {
             let unit = DVec2::new(column as f64, row as f64) * 2.0 - 1.0;
-            let entry = linear.centre + half_extent * unit;
+            let entry = centre + half_extent * unit;
             FlareVertex {
                 sensor_mm: source.rotated(sprite(0, unit)),
                 stop: source.rotated(sprite(1, unit)),

@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use crate::camera::flare::Wavelength;
 
-/// A parallel beam of irradiance 1 into a lens at an f-number.
+/// Distant light of irradiance 1 into a lens at an f-number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlareSource {
     /// Angle from the axis, radians.
@@ -14,6 +14,8 @@ pub struct FlareSource {
     pub azimuth: f64,
     /// The f-number.
     pub f_number: f64,
+    /// Radius of the light's disc, radians; 0 for a point.
+    pub angular_radius: f64,
 }
 
 /// A vertex of a ghost's triangle; layout of the vertex buffer of `shaders/camera/ghost.wgsl`.
@@ -46,9 +48,9 @@ impl FlareSource {
     }
 
     /// Radiance that a ghost of a fraction `power` of the light adds, `areas` times smaller on the sensor than at the
-    /// entrance: see `mesh`.
+    /// entrance: see `mesh`. The entrance lies across the axis and takes the cosine of the beam.
     pub fn radiance(&self, colour: Wavelength, power: f64, areas: f64) -> [f32; 3] {
-        let scale = power * areas * 4.0 * self.f_number.powi(2) / std::f64::consts::PI;
+        let scale = power * areas * self.angle.cos() * 4.0 * self.f_number.powi(2) / std::f64::consts::PI;
         colour.rgb.map(|channel| (channel * scale) as f32)
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZE, Unpacked, Values};
 use super::ray_table::{FlareTable, TabledGhost, between};
-use crate::camera::flare::ghost::grid::{RayGrid, SEARCH_RAYS};
+use crate::camera::flare::ghost::grid::{MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
 use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity};
 use crate::camera::flare::ghost::tracing::Tracing;
@@ -195,7 +195,7 @@ impl<'a> Optics<'a> {
     fn window(&self) -> Result<Option<[DVec2; 2]>, GpuError> {
         let all = DVec2::splat(self.linear.barrel_mm);
         let search = self.grid(D_LINE_UM, [-all, all], SEARCH_RAYS)?;
-        Ok(search.window(&self.linear))
+        Ok(search.window(&self.linear, MARGIN_STOP))
     }
 
     fn grid(&self, wavelength_um: f64, [min, max]: [DVec2; 2], size: usize) -> Result<RayGrid, GpuError> {

@@ -186,6 +186,11 @@ fn hermite(points: [Option<(f64, f64)>; 4], at: f64) -> Option<f64> {
 }
 
 impl EvaluatedGhost {
+    /// Centre of the entrance window, millimetres.
+    pub fn centre_mm(&self) -> DVec2 {
+        0.5 * (self.unpacked.window[0] + self.unpacked.window[1])
+    }
+
     /// Its rays in one colour, on a grid of `size` x `size` rays.
     pub fn grid(&self, wavelength_um: f64, size: usize) -> RayGrid {
         let inverse_square = |um: f64| um.powi(-2);

@@ -1,0 +1,240 @@
+//! Which ghosts are drawn on texels of which size, and how they are softened: in the iris as they are drawn, or on the sensor after.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use glam::DVec2;
+
+use crate::camera::flare::ghost::GhostTriangles;
+
+/// Least texels in the radius of a ghost that is softened in the iris: what its edge needs to be drawn on them.
+const IRIS_TEXELS: f64 = 1.5;
+/// The same of one that is softened on the sensor: what a disc needs to be round.
+const SENSOR_TEXELS: f64 = 2.5;
+/// Radius in pixels up to which nothing is softened on the sensor.
+const SHARP_TO: f64 = 0.5;
+/// Radii told apart there, per doubling.
+const STEPS: f64 = 6.0;
+/// Step at a ghost's edge, by the image's white, up to which its texels may double: no eye sees on which texels it is drawn.
+const FAINT_STEP: f64 = 0.04;
+/// Most doublings of that.
+const MAX_FAINT: u32 = 3;
+/// What all ghosts that are left out are together, by the image's white: a quarter of a step of 8 bits.
+const LEFT_OUT: f64 = 0.001;
+/// Fraction of the image that is brighter than white: more than `auto_exposure` takes, to be on the safe side.
+const BRIGHTER_FRACTION: f64 = 0.02;
+/// Texels that a ghost covers at least: what is smaller is enlarged, so that none falls between texels.
+const MIN_TEXELS: f64 = 4.0;
+
+/// Ghosts of nearly the same radius that are softened together on the sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoftClass {
+    /// Doublings of the texels that they are softened on.
+    pub level: u32,
+    /// Radius, texels.
+    pub radius: f64,
+    /// Indices of the ghosts.
+    pub ghosts: Vec<usize>,
+    /// Pixels of the image that they touch, radius and all: least and greatest.
+    pub bounds: [DVec2; 2],
+}
+
+/// By how much a ghost is enlarged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enlarged {
+    /// Centre of the ghost on the sensor, millimetres.
+    pub centre_mm: DVec2,
+    /// Factors about it.
+    pub by: DVec2,
+}
+
+/// How the ghosts of a mesh are drawn on an image.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SoftPlan {
+    /// Ghosts softened in the iris, by doublings of the texels that they are drawn on.
+    pub in_iris: Vec<Vec<usize>>,
+    /// Those softened on the sensor, the coarsest first.
+    pub on_sensor: Vec<SoftClass>,
+    /// How much each is enlarged.
+    pub enlarged: Vec<Enlarged>,
+    /// Of those on the image, the ones too faint to be seen even together.
+    pub left_out: usize,
+}
+
+/// What an image shows of the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageScale {
+    /// Half its size, millimetres.
+    pub half_mm: DVec2,
+    /// Its size, pixels.
+    pub size: DVec2,
+}
+
+impl ImageScale {
+    /// Pixels of a millimetre.
+    fn pixels_per_mm(&self) -> f64 {
+        0.5 * self.size.y / self.half_mm.y
+    }
+
+    /// Pixel of a point of the sensor, from the top left.
+    fn pixel(&self, mm: DVec2) -> DVec2 {
+        let unit = DVec2::new(mm.x, -mm.y) / self.half_mm;
+        (0.5 + 0.5 * unit) * self.size
+    }
+}
+
+impl SoftPlan {
+    /// For a mesh's ghosts; texels double `max_level` times at most. Ghosts beside the image are left out.
+    pub fn new(ghosts: &[GhostTriangles], scale: &ImageScale, max_level: u32) -> Self {
+        let mut plan = Self {
+            in_iris: vec![Vec::new(); max_level as usize + 1],
+            ..Self::default()
+        };
+        let mut bins: BTreeMap<(u32, i32), Bin> = BTreeMap::new();
+        let steps = steps(ghosts, scale);
+        let too_faint = too_faint(&steps);
+        for (index, ghost) in ghosts.iter().enumerate() {
+            let radius_px = ghost.radius_mm * scale.pixels_per_mm();
+            let is_in_iris = ghost.in_iris.is_some() || radius_px < SHARP_TO;
+            let least_texels = if is_in_iris { IRIS_TEXELS } else { SENSOR_TEXELS };
+            let mut level = doublings(radius_px / least_texels, max_level);
+            if is_in_iris && radius_px > SHARP_TO {
+                level = (level + doublings(FAINT_STEP / steps[index], MAX_FAINT)).min(max_level);
+            }
+            // Texels of what is softened on the sensor are half as large when it is drawn.
+            let drawn_level = if is_in_iris {
+                level
+            } else {
+                level.saturating_sub(1)
+            };
+            let [min, max] = ghost.bounds_mm;
+            let size_px = ((max - min) * scale.pixels_per_mm()).max(DVec2::splat(1e-6));
+            let least_texels = if radius_px > SHARP_TO { MIN_TEXELS } else { 1.0 };
+            let least_px = least_texels * f64::from(1_u32 << drawn_level);
+            plan.enlarged.push(Enlarged {
+                centre_mm: 0.5 * (min + max),
+                by: (least_px / size_px).max(DVec2::ONE),
+            });
+            let pad = radius_px + 2.0 * least_px;
+            let corners = [scale.pixel(min), scale.pixel(max)];
+            let bounds = [corners[0].min(corners[1]) - pad, corners[0].max(corners[1]) + pad];
+            if bounds[1].min_element() < 0.0 || (bounds[0] - scale.size).max_element() > 0.0 {
+                continue;
+            }
+            if steps[index] <= too_faint {
+                plan.left_out += 1;
+                continue;
+            }
+            if is_in_iris {
+                plan.in_iris[level as usize].push(index);
+                continue;
+            }
+            let bin = bins.entry((level, (STEPS * radius_px.log2()).round() as i32));
+            bin.or_insert(Bin::new(bounds))
+                .add(index, ghost, radius_px, bounds);
+        }
+        let classes = bins.into_iter().rev();
+        plan.on_sensor = classes.map(|((level, _), bin)| bin.class(level)).collect();
+        plan
+    }
+}
+
+/// Mean radiance of each ghost, by the image's white: that which the brightest ghosts on the smallest part of the image reach.
+fn steps(ghosts: &[GhostTriangles], scale: &ImageScale) -> Vec<f64> {
+    let radiance: Vec<f64> = ghosts
+        .iter()
+        .map(|ghost| ghost.light / ghost.area_mm2.max(1e-12))
+        .collect();
+    let mut brightest: Vec<usize> = (0..ghosts.len()).collect();
+    brightest.sort_by(|&a, &b| radiance[b].total_cmp(&radiance[a]));
+    let mut rest_mm2 = BRIGHTER_FRACTION * 4.0 * scale.half_mm.element_product();
+    let mut white = f64::MIN_POSITIVE;
+    for index in brightest {
+        let [min, max] = ghosts[index].bounds_mm;
+        let (whole, on_image) = (max - min, max.min(scale.half_mm) - min.max(-scale.half_mm));
+        if on_image.min_element() <= 0.0 {
+            continue;
+        }
+        // Spread over the light's disc, and as much of it as is on the image.
+        let part = on_image.element_product() / whole.element_product();
+        let soft_mm2 = std::f64::consts::PI * ghosts[index].radius_mm.powi(2);
+        let area_mm2 = ghosts[index].area_mm2.max(soft_mm2);
+        white = f64::max(white, ghosts[index].light / area_mm2);
+        rest_mm2 -= area_mm2 * part;
+        if rest_mm2 <= 0.0 {
+            white = ghosts[index].light / area_mm2;
+            break;
+        }
+    }
+    radiance.iter().map(|radiance| radiance / white).collect()
+}
+
+/// Radiance by the image's white up to which ghosts are too faint to be seen, all together.
+fn too_faint(steps: &[f64]) -> f64 {
+    let mut faintest = steps.to_vec();
+    faintest.sort_by(f64::total_cmp);
+    let mut sum = 0.0;
+    let seen = faintest.iter().position(|step| {
+        sum += step;
+        sum > LEFT_OUT
+    });
+    match seen {
+        Some(0) | None => 0.0,
+        Some(first) => faintest[first - 1],
+    }
+}
+
+/// How often a texel of one pixel can double.
+fn doublings(texel_px: f64, max_level: u32) -> u32 {
+    (texel_px.max(1.0).log2().floor() as u32).min(max_level)
+}
+
+/// A class that is being filled.
+struct Bin {
+    ghosts: Vec<usize>,
+    bounds: [DVec2; 2],
+    radius_by_light: f64,
+    light: f64,
+}
+
+impl Bin {
+    fn new(bounds: [DVec2; 2]) -> Self {
+        Self {
+            ghosts: Vec::new(),
+            bounds,
+            radius_by_light: 0.0,
+            light: 0.0,
+        }
+    }
+
+    fn add(&mut self, index: usize, ghost: &GhostTriangles, radius_px: f64, bounds: [DVec2; 2]) {
+        self.ghosts.push(index);
+        self.bounds = [self.bounds[0].min(bounds[0]), self.bounds[1].max(bounds[1])];
+        let light = ghost.light.max(f64::MIN_POSITIVE);
+        self.radius_by_light += radius_px * light;
+        self.light += light;
+    }
+
+    /// With the mean radius of its light.
+    fn class(self, level: u32) -> SoftClass {
+        SoftClass {
+            level,
+            radius: self.radius_by_light / self.light / f64::from(1_u32 << level),
+            ghosts: self.ghosts,
+            bounds: self.bounds,
+        }
+    }
+}
+
+/// Vertices of each ghost of a mesh.
+pub fn vertex_ranges(ghosts: &[GhostTriangles]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    ghosts
+        .iter()
+        .map(|ghost| {
+            let start = end;
+            end += ghost.vertices;
+            start..end
+        })
+        .collect()
+}

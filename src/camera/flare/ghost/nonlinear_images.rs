@@ -1,0 +1,211 @@
+//! The nonlinear images of ghosts: grids of rays, traced for the light's angle or evaluated from a table.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::blend::{Fit, fitted};
+use super::grid::{GridDrawing, MARGIN_STOP, RayGrid, SEARCH_RAYS};
+use super::linear::{LinearGhost, MAX_SOFTNESS};
+use super::parameters::{FlareMode, FlareParameters};
+use super::patches::rays_needed;
+use super::quad::Losses;
+use super::softness::Softness;
+use super::vertex::FlareVertex;
+use crate::camera::flare::{FlareTable, Wavelength};
+use crate::camera::lens::D_LINE_UM;
+use crate::camera::paraxial::Paraxial;
+use crate::camera::path::Ghost;
+use crate::camera::ray_bundles::Bundle;
+use crate::camera::trace::Tracer;
+use crate::gpu::GpuError;
+
+/// Rays traced and turned into triangles at a time.
+const RAYS_AT_ONCE: usize = 1 << 18;
+
+/// A ghost and the fractions of its linear and its nonlinear image.
+pub struct Part {
+    /// The ghost.
+    pub ghost: Ghost,
+    /// Of its linear image.
+    pub linear: f64,
+    /// Of its nonlinear one.
+    pub nonlinear: f64,
+}
+
+/// The optics of one colour.
+pub struct Optics {
+    /// The colour.
+    pub colour: Wavelength,
+    /// First-order data, the sensor where all colours have it.
+    pub paraxial: Paraxial,
+}
+
+/// What all images of a flare have in common.
+pub struct Context<'a> {
+    /// What is asked for.
+    pub parameters: &'a FlareParameters<'a>,
+    /// Every colour.
+    pub optics: &'a [Optics],
+    /// First-order data in the centre of the spectrum.
+    pub d_line: &'a Paraxial,
+    /// Radius of the iris, millimetres.
+    pub stop_mm: f64,
+}
+
+/// Rays along an edge of the grid by which a table tells how many are needed.
+const KNOWN_RAYS: usize = 10;
+
+/// A grid to trace.
+struct Job<'a> {
+    image: usize,
+    part: &'a Part,
+    optics: &'a Optics,
+    bundle: Bundle,
+    rays: usize,
+}
+
+/// Softness and triangles of a ghost.
+type Image = (Softness, Vec<FlareVertex>);
+
+impl Context<'_> {
+    fn linear(&self, ghost: Ghost, paraxial: &Paraxial) -> LinearGhost {
+        let FlareParameters { lens, source, .. } = *self.parameters;
+        LinearGhost::new(lens, paraxial, ghost, source.angle, self.stop_mm)
+    }
+
+    /// Softness of a ghost whose light comes in round a point of the entrance.
+    fn softness(&self, ghost: Ghost, entry_mm: DVec2) -> Softness {
+        let FlareParameters { lens, source, .. } = *self.parameters;
+        let tracer = Tracer::new(lens, D_LINE_UM, self.d_line.sensor_gap_mm());
+        let linear = self.linear(ghost, self.d_line);
+        Softness::traced(&tracer, ghost, &linear, entry_mm, &source)
+            .unwrap_or_else(|| Softness::linear(&linear, &source))
+    }
+
+    /// Rays along an edge of a ghost's grid: all that are asked for in the exact mode, else as many as it needs.
+    fn rays_needed(&self, known: &RayGrid, window: [DVec2; 2], softness: &Softness) -> usize {
+        let FlareParameters { lens, ghosts, .. } = *self.parameters;
+        if ghosts.mode == FlareMode::Exact {
+            return ghosts.rays.max(2);
+        }
+        let half_diagonal_mm = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
+        let sizes = (self.stop_mm, half_diagonal_mm);
+        rays_needed(known, window, softness, sizes, ghosts.rays)
+    }
+
+    fn triangles(&self, part: &Part, optics: &Optics, softness: Softness, grid: RayGrid) -> Vec<FlareVertex> {
+        let FlareParameters {
+            lens, source, ghosts, ..
+        } = *self.parameters;
+        let mut grid = grid;
+        if ghosts.fit != Fit::default() {
+            let tracer = Tracer::new(lens, optics.colour.um, self.d_line.sensor_gap_mm());
+            let linear = self.linear(part.ghost, &optics.paraxial);
+            if let Some(losses) = Losses::from_ray(&tracer, &linear, &source, part.ghost) {
+                grid = fitted(grid, &linear, &losses, ghosts.fit);
+            }
+        }
+        // One colour masks for all.
+        let is_masking = std::ptr::eq(optics, &self.optics[self.optics.len() / 2]);
+        let opacity = if is_masking { part.nonlinear } else { 0.0 };
+        grid.triangles(&GridDrawing {
+            source,
+            colour: optics.colour,
+            stop_mm: self.stop_mm,
+            softness,
+            fraction: part.nonlinear,
+            opacity,
+        })
+    }
+
+    /// Images evaluated from a table; those of ghosts without light are left out.
+    pub fn tabled(&self, parts: &[&Part], table: &FlareTable) -> Vec<Image> {
+        let FlareParameters { source, .. } = *self.parameters;
+        let image = |part: &&Part| {
+            let evaluated = table.ghost(part.ghost)?.at(source.angle)?;
+            let softness = self.softness(part.ghost, evaluated.centre_mm());
+            let known = evaluated.grid(D_LINE_UM, KNOWN_RAYS);
+            let rays = self.rays_needed(&known, [known.min, known.max], &softness);
+            let vertices = self.optics.iter().flat_map(|optics| {
+                let grid = evaluated.grid(optics.colour.um, rays);
+                self.triangles(part, optics, softness, grid)
+            });
+            Some((softness, vertices.collect()))
+        };
+        parts.par_iter().filter_map(image).collect()
+    }
+
+    /// Images by rays traced for this angle.
+    ///
+    /// # Errors
+    /// When the device fails while it traces.
+    pub fn traced(&self, parts: &[&Part]) -> Result<Vec<Image>, GpuError> {
+        let FlareParameters {
+            lens,
+            source,
+            tracing,
+            ..
+        } = *self.parameters;
+        let gap = self.d_line.sensor_gap_mm();
+        // Where each ghost's light comes in, by a coarse grid over the whole front in the centre of the spectrum.
+        let linears: Vec<LinearGhost> = parts
+            .iter()
+            .map(|part| self.linear(part.ghost, self.d_line))
+            .collect();
+        let whole = |(part, linear): (&&Part, &LinearGhost)| Bundle {
+            ghost: Some(part.ghost),
+            wavelength_um: D_LINE_UM,
+            angle: source.angle,
+            min: DVec2::splat(-linear.barrel_mm),
+            max: DVec2::splat(linear.barrel_mm),
+        };
+        let searches: Vec<Bundle> = parts.iter().zip(&linears).map(whole).collect();
+        let found = tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
+        let mut images: Vec<Image> = Vec::new();
+        let mut jobs = Vec::new();
+        for ((&part, linear), search) in parts.iter().zip(&linears).zip(&found) {
+            let softness = Softness::linear(linear, &source);
+            let max_stop = MARGIN_STOP + softness.stop.min(MAX_SOFTNESS);
+            let Some([min, max]) = search.window(linear, max_stop) else {
+                continue;
+            };
+            let softness = self.softness(part.ghost, 0.5 * (min + max));
+            let rays = self.rays_needed(search, [min, max], &softness);
+            for optics in self.optics {
+                let bundle = Bundle {
+                    ghost: Some(part.ghost),
+                    wavelength_um: optics.colour.um,
+                    angle: source.angle,
+                    min,
+                    max,
+                };
+                jobs.push(Job {
+                    image: images.len(),
+                    part,
+                    optics,
+                    bundle,
+                    rays,
+                });
+            }
+            images.push((softness, Vec::new()));
+        }
+        // Grids of one size are traced together.
+        jobs.sort_by_key(|job| job.rays);
+        for jobs in jobs.chunk_by(|a, b| a.rays == b.rays) {
+            let rays = jobs[0].rays;
+            for jobs in jobs.chunks((RAYS_AT_ONCE / rays.pow(2).max(1)).max(1)) {
+                let bundles: Vec<Bundle> = jobs.iter().map(|job| job.bundle).collect();
+                let grids = tracing.grids(lens, gap, &bundles, rays)?;
+                let made: Vec<Vec<FlareVertex>> = jobs
+                    .par_iter()
+                    .zip(grids)
+                    .map(|(job, grid)| self.triangles(job.part, job.optics, images[job.image].0, grid))
+                    .collect();
+                for (job, vertices) in jobs.iter().zip(made) {
+                    images[job.image].1.extend(vertices);
+                }
+            }
+        }
+        Ok(images)
+    }
+}
