@@ -600,6 +600,7 @@ fn a_flare_is_made_once() {
         starburst: Some(StarburstParameters {
             wavelengths: 3,
             transform_size: 256,
+            with_disc: true,
         }),
         light: FlareLight {
             angular_radius: SOLAR_ANGULAR_RADIUS,

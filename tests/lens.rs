@@ -556,3 +556,52 @@ fn unfit_files_are_refused_by_name() {
     assert!(unknown.contains("heliar"), "{unknown}");
     assert!(!ghosts(&lens("heliar")).is_empty());
 }
+
+/// An f-number that the stop does not open to is refused; each lens's own, in round figures, is not.
+#[test]
+fn f_numbers_wider_than_the_lens_are_refused() {
+    use rilievo::camera::lens::BUILT_IN;
+    use rilievo::camera::require_f_number;
+    for (name, _) in BUILT_IN {
+        let lens = built_in(name).unwrap().unwrap();
+        let paraxial = Paraxial::new(&lens, D_LINE_UM, None);
+        let widest = paraxial.widest_f_number(&lens).unwrap();
+        // The stop at that f-number is the open stop.
+        let open_mm = lens.clear_radius(lens.stop);
+        assert!(
+            (paraxial.stop_radius(widest) / open_mm - 1.0).abs() < 1e-9,
+            "{name}"
+        );
+        require_f_number(&lens, widest).unwrap();
+        require_f_number(&lens, 22.0).unwrap();
+        let refusal = require_f_number(&lens, 1.0).unwrap_err().to_string();
+        assert!(
+            refusal.contains(name) && refusal.contains("does not open to f/1"),
+            "{refusal}"
+        );
+    }
+}
+
+/// No film lies in cement; zooms have more than one kind of film.
+#[test]
+fn films_lie_on_surfaces_that_meet_air() {
+    use rilievo::camera::lens::BUILT_IN;
+    for (name, _) in BUILT_IN {
+        let lens = built_in(name).unwrap().unwrap();
+        let mut films = Vec::new();
+        for pair in lens.surfaces.windows(2) {
+            let in_cement = pair.iter().all(|surface| surface.glass.index(D_LINE_UM) > 1.01);
+            assert!(!in_cement || pair[1].coating.is_none(), "{name}");
+        }
+        for surface in &lens.surfaces {
+            if let Some(coating) = &surface.coating
+                && !films.contains(coating)
+            {
+                films.push(coating.clone());
+            }
+        }
+        if ["nikon", "canon", "itoh"].contains(&name) {
+            assert!(films.len() > 2, "{name}: {} kinds of film", films.len());
+        }
+    }
+}

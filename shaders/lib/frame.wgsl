@@ -9,7 +9,8 @@ struct Frame {
     upward: vec4<f32>,
     // Unit vector towards the sun; half the angle that its disc spans, radians.
     sun: vec4<f32>,
-    // Irradiance of the sun on a surface facing it, linear sRGB; w is not used.
+    // Irradiance of the sun on a surface facing it, linear sRGB; the part of it that
+    // its disc in the sky has.
     sun_irradiance: vec4<f32>,
     // How `search.wgsl` searches.
     search: SearchParameters,

@@ -46,13 +46,13 @@ fn above_horizon(direction: vec3<f32>) -> vec3<f32> {
     return normalize(vec3<f32>(direction.x + 1.0e-6, direction.y, max(direction.z, 0.0)));
 }
 
-// The sun's disc, seen directly: its irradiance spread over its solid angle.
+// The sun's disc, seen directly: its irradiance spread over its solid angle, less what a lens spreads round it.
 fn sun_disc(direction: vec3<f32>) -> vec3<f32> {
     let radius = frame.sun.w;
     // By the chord, which keeps its digits where a cosine has none left.
     let is_on_disc = distance(direction, frame.sun.xyz) < radius && direction.z > 0.0;
     // What a half float holds.
-    let radiance = min(frame.sun_irradiance.xyz / (PI * radius * radius), vec3<f32>(60000.0));
+    let radiance = min(frame.sun_irradiance.xyz * frame.sun_irradiance.w / (PI * radius * radius), vec3<f32>(65000.0));
     return select(vec3<f32>(0.0), radiance, is_on_disc);
 }
 

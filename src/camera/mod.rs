@@ -27,7 +27,7 @@ pub use accumulate_pass::AccumulatePass;
 pub use auto_exposure::auto_exposure;
 pub use daylight_exposure::{daylight, daylight_exposure};
 pub use diagram::lens_diagram;
-pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics};
+pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics, require_f_number};
 pub use paraxial::{
     Paraxial, PathMatrices, reflection, reflection_backward, refraction, refraction_backward, translation,
 };

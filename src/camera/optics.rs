@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Paraxial;
 use super::flare::FlareLight;
-use super::lens::{D_LINE_UM, Lens};
+use super::lens::{D_LINE_UM, Lens, LensError};
 use crate::space::{Pose, Projection, Sun};
 
 /// Full frame: width and height of the sensor behind a lens where nothing else is said, millimetres.
@@ -29,6 +29,24 @@ pub enum Optics {
     },
     /// A lens before a sensor, focused far away.
     Lens(LensOptics),
+}
+
+/// How far beyond the widest an f-number may be: they are named in round figures, such as 2.8 for 2.83.
+const ROUNDED: f64 = 0.03;
+
+/// Refuses an f-number that a lens does not open to.
+///
+/// # Errors
+/// `TooWide`.
+pub fn require_f_number(lens: &Lens, f_number: f64) -> Result<(), LensError> {
+    match Paraxial::new(lens, D_LINE_UM, None).widest_f_number(lens) {
+        Some(widest) if f_number < widest * (1.0 - ROUNDED) => Err(LensError::TooWide {
+            name: lens.name.clone(),
+            f_number,
+            widest,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// A lens before a sensor.

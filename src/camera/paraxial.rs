@@ -133,6 +133,12 @@ impl Paraxial {
         stop_mm / self.matrices(None).ma.x_axis.x.abs()
     }
 
+    /// Least f-number of a lens: with its stop wide open. None where the stop has no radius.
+    pub fn widest_f_number(&self, lens: &Lens) -> Option<f64> {
+        let number = self.efl_mm.abs() / (2.0 * self.entrance_pupil(lens.clear_radius(lens.stop)));
+        (number.is_finite() && number > 0.0).then_some(number)
+    }
+
     /// Radius of the stop at an f-number, millimetres.
     pub fn stop_radius(&self, f_number: f64) -> f64 {
         0.5 * self.efl_mm.abs() / f_number * self.matrices(None).ma.x_axis.x.abs()

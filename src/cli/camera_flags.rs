@@ -6,7 +6,7 @@ use super::CommandError;
 use super::flare_flags::FlareFlags;
 use crate::camera::flare::Aperture;
 use crate::camera::lens::open;
-use crate::camera::{Camera, FULL_FRAME_MM, LensOptics, Optics};
+use crate::camera::{Camera, FULL_FRAME_MM, LensOptics, Optics, require_f_number};
 use crate::output::FlareSettings;
 use crate::space::{Place, Pose, Sun};
 
@@ -52,7 +52,9 @@ impl CameraFlags {
             return Ok(Camera::pinhole(pose, fov_deg.to_radians()));
         };
         let sensor_mm = self.sensor.unwrap_or(FULL_FRAME_MM);
-        let mut optics = LensOptics::new(Arc::new(open(name)?), self.f_number, sensor_mm);
+        let lens = Arc::new(open(name)?);
+        require_f_number(&lens, self.f_number)?;
+        let mut optics = LensOptics::new(lens, self.f_number, sensor_mm);
         let max_fov = optics.max_fov_y(size);
         // A thousandth of a degree is how the largest is written.
         if let Some(fov) = self.fov

@@ -11,6 +11,7 @@ use super::path_file::read_path;
 use super::pool_flags::{PoolFlags, tell_warnings};
 use super::relief_flags::ReliefFlags;
 use super::values::require_folder;
+use crate::camera::require_f_number;
 use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{
@@ -94,6 +95,11 @@ pub fn run(args: &FilmArgs) -> Result<(), CommandError> {
     let sun = sun(args.time.as_deref(), city.manifest().place)?;
     let anywhere = Pose::looking_along(DVec3::ZERO, DVec3::Y);
     let camera = args.camera.camera(anywhere, args.size)?;
+    if let Some(optics) = camera.lens() {
+        for f_number in path.keys.iter().filter_map(|key| key.f_number) {
+            require_f_number(&optics.lens, f_number)?;
+        }
+    }
     let flare = args.camera.flare(&camera)?;
     let film = FilmFrame {
         flight: &flight,

@@ -108,8 +108,6 @@ fn show(lens: &Lens, json: bool, toml: bool) -> Result<(), CommandError> {
         return Ok(());
     }
     let paraxial = Paraxial::new(lens, D_LINE_UM, None);
-    let pupil = paraxial.entrance_pupil(lens.clear_radius(lens.stop));
-    let f_number = paraxial.efl_mm.abs() / (2.0 * pupil);
     let report = json!({
         "name": lens.name,
         "source": lens.source,
@@ -117,7 +115,7 @@ fn show(lens: &Lens, json: bool, toml: bool) -> Result<(), CommandError> {
         "bfd_mm": paraxial.bfd_mm,
         "surfaces": lens.surfaces.len(),
         "stop": lens.stop + 1,
-        "f_number": f_number.is_finite().then_some(f_number).filter(|&number| number > 0.0),
+        "f_number": paraxial.widest_f_number(lens),
         "film_mm": lens.film_mm,
         "ghosts": single_crossing_ghosts(lens).len(),
         "ghosts_all": ghosts(lens).len(),

@@ -10,6 +10,7 @@ use crate::camera::flare::{
     bake_images, table_from_photos, write_table,
 };
 use crate::camera::lens::{Lens, open};
+use crate::camera::require_f_number;
 use crate::gpu::Gpu;
 use crate::output::RenderError;
 
@@ -74,6 +75,9 @@ const IMAGE_RAYS: usize = 32;
 pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
     super::values::require_folder(&args.out)?;
     let lens = Arc::new(open(&args.lens)?);
+    if let Some(f_number) = args.f_number {
+        require_f_number(&lens, f_number)?;
+    }
     let table = match (&args.photos, args.two_angles, args.f_number) {
         (Some(list), _, _) => {
             let film_mm = args.film_mm.unwrap_or(lens.film_mm[0]);

@@ -10,11 +10,11 @@ use super::CommandError;
 use super::flare_flags::FlareFlags;
 use super::lens_flags::{aperture, ghost_of};
 use crate::camera::flare::{
-    FlareImager, FlareLight, FlareMode, FlareRequest, GhostParameters, Quality, TableFile, TracingDevice,
-    film_half_mm,
+    FlareImager, FlareLight, FlareMode, FlareRequest, GhostParameters, Quality, StarburstParameters,
+    TableFile, TracingDevice, film_half_mm,
 };
 use crate::camera::lens::open;
-use crate::camera::{auto_exposure, single_crossing_ghosts, tone_mapped};
+use crate::camera::{auto_exposure, require_f_number, single_crossing_ghosts, tone_mapped};
 use crate::gpu::Gpu;
 use crate::output::{RenderError, contact_sheet, write_png, write_radiance};
 use crate::space::SOLAR_ANGULAR_RADIUS;
@@ -77,6 +77,7 @@ pub struct FlareArgs {
 pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
     super::values::require_folder(&args.out)?;
     let lens = Arc::new(open(&args.lens)?);
+    require_f_number(&lens, args.f_number)?;
     let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
     if args.angle.x.abs() >= 90.0 {
         return Err(CommandError::Argument(format!(
@@ -115,7 +116,10 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         f_number: args.f_number,
         aperture: aperture(args.blades),
         ghosts: Some(ghosts),
-        starburst: shows_sun.then(|| preset.starburst()),
+        starburst: shows_sun.then(|| StarburstParameters {
+            with_disc: true,
+            ..preset.starburst()
+        }),
         table: table.map(Arc::new),
         light: FlareLight {
             angular_radius: if args.point { 0.0 } else { SOLAR_ANGULAR_RADIUS },

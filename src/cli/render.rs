@@ -12,8 +12,8 @@ use super::values::require_folder;
 use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{
-    FlightView, FrameRequest, Intermediate, RenderError, Renderer, write_depth, write_ids, write_png,
-    write_radiance,
+    FlightView, FrameRequest, ImageKind, Intermediate, RenderError, Renderer, image_kind, write_depth,
+    write_ids, write_png, write_radiance,
 };
 use crate::relief::ReliefMode;
 use crate::scene::{PoolOptions, TerrainMesh};
@@ -93,6 +93,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     {
         require_folder(path)?;
     }
+    let kind = image_kind(&args.out)?;
     let city = City::open(&args.city)?;
     let place = city.manifest().place;
     let view = view(args, &city)?;
@@ -124,16 +125,12 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     };
     let still = renderer.still(&request, args.samples)?;
     tell_warnings(&mut renderer);
-    let ending = args
-        .out
-        .extension()
-        .map(|ending| ending.to_string_lossy().to_lowercase());
-    match (args.intermediate, ending.as_deref()) {
-        (None, Some("tif" | "tiff")) => {
+    match (args.intermediate, kind) {
+        (Some(which), _) => write_png(&args.out, args.size, &renderer.debug_image(which)?)?,
+        (None, ImageKind::Display) => write_png(&args.out, args.size, &still.rgba)?,
+        (None, ImageKind::RadianceTiff | ImageKind::RadianceExr) => {
             write_radiance(&args.out, args.size, &renderer.radiance(args.samples)?)?
         }
-        (None, _) => write_png(&args.out, args.size, &still.rgba)?,
-        (Some(which), _) => write_png(&args.out, args.size, &renderer.debug_image(which)?)?,
     }
     if let Some(path) = &args.depth {
         write_depth(path, args.size, &still.depth)?;

@@ -62,6 +62,15 @@ impl FlarePass {
         self.is_stale = true;
     }
 
+    /// Part of the sun's light that its sharp image keeps, mean of the channels.
+    pub(super) fn disc_fraction(&self) -> f64 {
+        if self.is_lit {
+            self.effect.disc_fraction().iter().sum::<f64>() / 3.0
+        } else {
+            1.0
+        }
+    }
+
     /// Radiance that the lens adds.
     pub(super) fn target(&self) -> Option<&Target> {
         self.target.current()

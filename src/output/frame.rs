@@ -70,8 +70,6 @@ impl Renderer {
         self.resize(request.size);
         if band.is_first() {
             self.prepare(request)?;
-        }
-        if band.is_last() {
             self.prepare_flare(request)?;
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -88,6 +86,9 @@ impl Renderer {
     pub(super) fn add_sample(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
         self.resize(request.size);
         self.prepare(request)?;
+        if sample == 0 {
+            self.prepare_flare(request)?;
+        }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.encode_sample(&mut encoder, request, sample, Band::WHOLE);
         self.gpu.queue.submit([encoder.finish()]);
@@ -107,6 +108,7 @@ impl Renderer {
             projection: &projection,
             sun: request.sun,
             sample,
+            disc_fraction: self.flare.disc_fraction(),
             settings: request.relief,
             band,
         };

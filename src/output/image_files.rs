@@ -1,4 +1,4 @@
-//! PNG pictures, and depth and ids as single-band TIFFs.
+//! PNG pictures, linear radiance as TIFF or OpenEXR, and depth and ids as single-band TIFFs.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -68,8 +68,48 @@ where
     writer.flush().map_err(|why| error(why.to_string()))
 }
 
-/// Writes linear radiance, RGB, rows from the top.
+/// What an image's file holds, by its ending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageKind {
+    /// 8-bit sRGB: .png.
+    Display,
+    /// Linear radiance in a TIFF: .tif, .tiff.
+    RadianceTiff,
+    /// Linear radiance in OpenEXR: .exr.
+    RadianceExr,
+}
+
+/// The kind that a path's ending names.
+///
+/// # Errors
+/// When it names none.
+pub fn image_kind(path: &Path) -> Result<ImageKind, OutputError> {
+    let ending = path
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("png") => Ok(ImageKind::Display),
+        Some("tif" | "tiff") => Ok(ImageKind::RadianceTiff),
+        Some("exr") => Ok(ImageKind::RadianceExr),
+        _ => Err(output_error(path)(
+            "name a file that ends in .png, or for linear radiance in .exr or .tif".to_owned(),
+        )),
+    }
+}
+
+/// Writes linear radiance, RGB, rows from the top: OpenEXR where the path says so, else a TIFF.
 pub fn write_radiance(path: &Path, size: [u32; 2], radiance: &[[f32; 3]]) -> Result<(), OutputError> {
+    if image_kind(path).is_ok_and(|kind| kind == ImageKind::RadianceExr) {
+        return image::save_buffer_with_format(
+            path,
+            bytemuck::cast_slice(radiance),
+            size[0],
+            size[1],
+            image::ExtendedColorType::Rgb32F,
+            image::ImageFormat::OpenExr,
+        )
+        .map_err(|error| output_error(path)(error.to_string()));
+    }
     write_tiff::<colortype::RGB32Float>(path, size, radiance.as_flattened())
 }
 

@@ -18,6 +18,8 @@ pub use film::{
 };
 pub use flare_pass::FlareSettings;
 pub use frame::FrameRequest;
-pub use image_files::{OutputError, write_depth, write_drawing, write_ids, write_png, write_radiance};
+pub use image_files::{
+    ImageKind, OutputError, image_kind, write_depth, write_drawing, write_ids, write_png, write_radiance,
+};
 pub use renderer::Renderer;
 pub use still::Still;

@@ -75,7 +75,7 @@ impl Renderer {
             None => vec![[f16::ZERO; 4]; sum.len()],
         };
         let pixel = |(sum, added): (&[f32; 4], &[f16; 4])| {
-            std::array::from_fn(|k| sum[k] / samples as f32 + f32::from(added[k]))
+            std::array::from_fn(|k| sum[k] / samples as f32 + f32::from(added[k].min(f16::MAX)))
         };
         Ok(sum.iter().zip(&added).map(pixel).collect())
     }

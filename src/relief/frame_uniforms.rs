@@ -4,13 +4,12 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec4};
 
 use super::GridPosition;
+use super::relief_view::ReliefView;
 use super::search_parameters::SearchParameters;
-use super::settings::ReliefSettings;
 use super::sky_tables::SkyTables;
 use super::sun_bounds_texture::SunBoundsTexture;
 use crate::buildings::Pyramid;
 use crate::scene::Resident;
-use crate::space::{Projection, Sun};
 
 /// See `shaders/lib/frame.wgsl`, where each field is explained.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -57,10 +56,18 @@ impl FrameUniforms {
     /// Uniforms of one sample of one view. All differences of large coordinates are taken in f64 here.
     pub fn new(
         resident: &Resident,
-        projection: &Projection,
-        (sun, sky, sun_bounds): (&Sun, &SkyTables, &SunBoundsTexture),
-        (sample, settings): (u32, &ReliefSettings),
+        view: &ReliefView<'_>,
+        sky: &SkyTables,
+        sun_bounds: &SunBoundsTexture,
     ) -> Self {
+        let ReliefView {
+            projection,
+            sun,
+            disc_fraction,
+            sample,
+            settings,
+            ..
+        } = *view;
         let grid = &resident.tiles.grid;
         let pose = &projection.pose;
         let eye = GridPosition::new(grid, pose.eye);
@@ -73,7 +80,7 @@ impl FrameUniforms {
             across: vector(pose.right * tan.x, 0.0),
             upward: vector(pose.up * tan.y, 0.0),
             sun: vector(sun.to_sun, sun.angular_radius),
-            sun_irradiance: vector(sun.irradiance, 0.0),
+            sun_irradiance: vector(sun.irradiance, disc_fraction),
             search: settings.search,
             sun_grid,
             sun_axes,

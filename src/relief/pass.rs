@@ -9,28 +9,14 @@ use super::exact_pass::ExactPass;
 use super::ground_pass::GroundPass;
 use super::light_pass::LightPass;
 use super::polygons_pass::PolygonsPass;
+use super::relief_view::ReliefView;
 use super::search_pass::SearchPass;
-use super::settings::{ReliefMode, ReliefSettings};
+use super::settings::ReliefMode;
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
-use crate::gpu::{Band, BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
+use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
 use crate::scene::{Frustum, Resident};
-use crate::space::{Projection, Sun};
-
-/// One sample of one view.
-#[derive(Clone, Copy, Debug)]
-pub struct ReliefView<'a> {
-    /// Pose and image, the sample's jitter in it.
-    pub projection: &'a Projection,
-    /// The sun.
-    pub sun: &'a Sun,
-    /// Number of the sample, from 0.
-    pub sample: u32,
-    /// How the city is drawn.
-    pub settings: ReliefSettings,
-    /// The rows to draw; the ground and polygons are drawn with the first ones, for all.
-    pub band: Band,
-}
+use crate::space::Sun;
 
 /// All pipelines, uniforms and targets for one resident city.
 pub struct ReliefPass {
@@ -146,19 +132,13 @@ impl ReliefPass {
         };
         let ReliefView {
             projection,
-            sun,
-            sample,
             settings,
             band,
+            ..
         } = *view;
         self.uniforms.write(
             gpu,
-            &FrameUniforms::new(
-                resident,
-                projection,
-                (sun, &self.shade.sky, &self.shade.sun_bounds),
-                (sample, &settings),
-            ),
+            &FrameUniforms::new(resident, view, &self.shade.sky, &self.shade.sun_bounds),
         );
         let mut context = PassContext {
             gpu,

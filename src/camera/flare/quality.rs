@@ -62,6 +62,7 @@ impl Preset {
         StarburstParameters {
             wavelengths: self.starburst_wavelengths,
             transform_size: self.transform_size,
+            with_disc: false,
         }
     }
 }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::catalogue::named;
 use super::prescription::{full_frame, plane_or};
-use super::{Coating, Glass, Lens, LensError, Surface};
+use super::{Coating, D_LINE_UM, Glass, Lens, LensError, Surface};
 
 #[derive(Debug, Deserialize)]
 struct Row {
@@ -65,6 +65,14 @@ pub fn read(path: &Path, text: &str) -> Result<Lens, LensError> {
             }
         }
         surfaces.push(surface_of(&row).map_err(syntax)?);
+    }
+    // The tables name a film on every row; there is none in cement.
+    for k in 1..surfaces.len() {
+        let is_glass =
+            |surface: &Surface| surface.glass != Glass::Air && surface.glass.index(D_LINE_UM) > 1.01;
+        if is_glass(&surfaces[k - 1]) && is_glass(&surfaces[k]) {
+            surfaces[k].coating = None;
+        }
     }
     Lens::new(
         name,

@@ -41,6 +41,16 @@ pub enum LensError {
         /// What is wrong and where.
         what: String,
     },
+    /// Its stop is not that large.
+    #[error("{name}: does not open to f/{f_number}; its stop wide open is f/{widest:.2}")]
+    TooWide {
+        /// The lens.
+        name: String,
+        /// What was asked for.
+        f_number: f64,
+        /// What it has.
+        widest: f64,
+    },
     /// The table was read and is no lens that light goes through.
     #[error("{name}: {what}")]
     Unfit {

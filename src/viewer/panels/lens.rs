@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use super::Action;
 use crate::camera::flare::{GhostParameters, Quality};
-use crate::camera::lens::Lens;
-use crate::camera::{Optics, single_crossing_ghosts};
+use crate::camera::lens::{D_LINE_UM, Lens};
+use crate::camera::{Optics, Paraxial, single_crossing_ghosts};
 use crate::viewer::scene_state::SceneState;
 
-/// f-numbers of the slider.
+/// f-numbers of the slider; no wider than the lens.
 const F_NUMBERS: std::ops::RangeInclusive<f64> = 1.4..=32.0;
 /// f-number of a lens just put in.
 const FIRST_F_NUMBER: f64 = 8.0;
@@ -42,7 +42,9 @@ pub fn show(ui: &mut egui::Ui, state: &mut SceneState, lenses: &[Arc<Lens>], act
         });
     match &mut state.optics {
         Optics::Lens(optics) => {
-            let slider = egui::Slider::new(&mut optics.f_number, F_NUMBERS)
+            let widest = Paraxial::new(&optics.lens, D_LINE_UM, None).widest_f_number(&optics.lens);
+            let f_numbers = widest.unwrap_or(*F_NUMBERS.start())..=*F_NUMBERS.end();
+            let slider = egui::Slider::new(&mut optics.f_number, f_numbers)
                 .logarithmic(true)
                 .text("f-number");
             changed |= ui.add(slider).changed();

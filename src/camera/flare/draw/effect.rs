@@ -92,8 +92,9 @@ struct ImageKey {
 struct Starburst {
     optics: StarburstOptics,
     parameters: StarburstParameters,
-    half_mm: f64,
-    sprite: Sprite,
+    disc_fraction: [f64; 3],
+    /// Half the side of each, with what it shows: the pattern and the glare.
+    sprites: [(f64, Sprite); 2],
 }
 
 impl FlareEffect {
@@ -169,8 +170,17 @@ impl FlareEffect {
         self.ghosts.draw_sharp(&mut pass);
         pass.set_pipeline(&self.sprites);
         let images = self.images.iter().map(|(_, sprite)| sprite);
-        for sprite in images.chain(self.starburst.iter().map(|starburst| &starburst.sprite)) {
+        let starburst = self.starburst.iter().flat_map(|starburst| &starburst.sprites);
+        for sprite in images.chain(starburst.map(|(_, sprite)| sprite)) {
             sprite.draw(&mut pass);
+        }
+    }
+
+    /// Part of the light, by channel, that its sharp image keeps and the starburst does not draw; all of it without a starburst.
+    pub fn disc_fraction(&self) -> [f64; 3] {
+        match &self.starburst {
+            Some(starburst) if self.is_lit => starburst.disc_fraction,
+            _ => [1.0; 3],
         }
     }
 
@@ -286,25 +296,31 @@ impl FlareEffect {
         let mut starburst = known.unwrap_or_else(|| {
             self.fills.starbursts += 1;
             let pattern = StarburstPattern::new(&optics, parameters);
-            let size = [pattern.size as u32; 2];
+            let sprite = |size: usize, radiance: &[[f32; 3]]| {
+                Sprite::new(gpu, &self.resources, [size as u32; 2], radiance)
+            };
             Starburst {
                 optics,
                 parameters,
-                half_mm: pattern.half_mm,
-                sprite: Sprite::new(gpu, &self.resources, size, &pattern.radiance),
+                disc_fraction: pattern.disc_fraction,
+                sprites: [
+                    (pattern.half_mm, sprite(pattern.size, &pattern.radiance)),
+                    (pattern.glare_half_mm, sprite(pattern.glare_size, &pattern.glare)),
+                ],
             }
         });
-        let frame = SpriteFrame {
-            centre_mm: request.light.image_mm(focal_mm).as_vec2().to_array(),
-            half_mm: [starburst.half_mm as f32; 2],
-            rotation: [1.0, 0.0],
-            image_half_mm: request.image_half_mm.map(|half| half as f32),
-            radiance: [0.0; 3],
-            padding: 0.0,
-        };
-        let changed = starburst
-            .sprite
-            .set(gpu, frame, request.light.visible_irradiance());
+        let mut changed = false;
+        for (half_mm, sprite) in &mut starburst.sprites {
+            let frame = SpriteFrame {
+                centre_mm: request.light.image_mm(focal_mm).as_vec2().to_array(),
+                half_mm: [*half_mm as f32; 2],
+                rotation: [1.0, 0.0],
+                image_half_mm: request.image_half_mm.map(|half| half as f32),
+                radiance: [0.0; 3],
+                padding: 0.0,
+            };
+            changed |= sprite.set(gpu, frame, request.light.visible_irradiance());
+        }
         self.starburst = Some(starburst);
         changed
     }

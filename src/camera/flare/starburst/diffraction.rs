@@ -23,6 +23,15 @@ pub struct Diffraction {
     pub extent: f64,
 }
 
+/// Distance from the centre within which light hardly spreads, pixels.
+const CORE_PIXELS: f64 = 2.0;
+
+/// Part of the pattern that is shown at a distance from its centre, by half its side: none at its border, so that no edge shows.
+pub fn shown(distance: f64) -> f64 {
+    let rim = ((distance - 0.5) / 0.5).clamp(0.0, 1.0);
+    1.0 - rim * rim * (3.0 - 2.0 * rim)
+}
+
 /// 2D discrete Fourier transform in place, rows then columns, not scaled.
 pub fn fft_2d<T: FftNum>(size: usize, field: &mut Vec<Complex<T>>) {
     let fft = FftPlanner::new().plan_fft(size, FftDirection::Forward);
@@ -68,20 +77,36 @@ impl Diffraction {
 
     /// Spread of a distant disc on the sensor: an image of `pixels` x `pixels` over `span_mm` from its centre, linear sRGB, in
     /// fractions of the light per square millimetre. `disc_mm` is the radius of the disc's sharp image. Towards the image's
-    /// border it fades to nothing, so that no edge shows.
+    /// border it fades to nothing (`shown`). Without `core` the light that hardly spreads is left out; it comes second, as a fraction
+    /// of all by channel.
     pub fn spread(
         &self,
         colours: &[Wavelength],
         f_number: f64,
         disc_mm: f64,
-        pixels: usize,
-        span_mm: f64,
-    ) -> Vec<[f32; 3]> {
+        (pixels, span_mm): (usize, f64),
+        core: bool,
+    ) -> (Vec<[f32; 3]>, [f64; 3]) {
         let pixel_mm = 2.0 * span_mm / pixels as f64;
-        let points: Vec<Vec<f64>> = colours
+        let mut points: Vec<Vec<f64>> = colours
             .par_iter()
             .map(|colour| self.splat(self.bin_mm(colour.um, f_number) / pixel_mm, pixels))
             .collect();
+        let centre = 0.5 * pixels as f64;
+        let mut left_out = [0.0; 3];
+        if !core {
+            for (colour, points) in colours.iter().zip(&mut points) {
+                for (k, point) in points.iter_mut().enumerate() {
+                    let at = DVec2::new((k % pixels) as f64 + 0.5, (k / pixels) as f64 + 0.5);
+                    if at.distance(DVec2::splat(centre)) < CORE_PIXELS {
+                        for (sum, fraction) in left_out.iter_mut().zip(colour.rgb) {
+                            *sum += fraction * *point;
+                        }
+                        *point = 0.0;
+                    }
+                }
+            }
+        }
         let channels: Vec<Vec<f64>> = (0..3)
             .into_par_iter()
             .map(|channel| {
@@ -95,15 +120,15 @@ impl Diffraction {
                 over_disc(&sum, pixels, disc_mm / pixel_mm)
             })
             .collect();
-        (0..pixels * pixels)
+        let image = (0..pixels * pixels)
             .map(|k| {
                 let at =
                     DVec2::new((k % pixels) as f64 + 0.5, (k / pixels) as f64 + 0.5) * pixel_mm - span_mm;
-                let rim = ((at.length() / span_mm - 0.5) / 0.5).clamp(0.0, 1.0);
-                let fade = 1.0 - rim * rim * (3.0 - 2.0 * rim);
-                [0, 1, 2].map(|channel: usize| (channels[channel][k].max(0.0) * fade) as f32)
+                let shown = shown(at.length() / span_mm);
+                [0, 1, 2].map(|channel: usize| (channels[channel][k].max(0.0) * shown) as f32)
             })
-            .collect()
+            .collect();
+        (image, left_out)
     }
 
     /// All bins put onto an image whose pixels are 1 / `scale` bins wide, its centre in the centre.

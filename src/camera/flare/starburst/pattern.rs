@@ -1,6 +1,7 @@
 //! The image of a disc of light with its diffraction, ready to be laid where the light's image is.
 
-use super::Diffraction;
+use super::diffraction::{Diffraction, shown};
+use super::glare::glare;
 use crate::camera::flare::{Aperture, spectrum};
 
 /// How many pupil diameters the aperture's mask spans: two, so that the power, whose frequencies are twice the amplitude's, is
@@ -16,6 +17,8 @@ pub struct StarburstParameters {
     pub wavelengths: usize,
     /// Size of the transform; the starburst is drawn the farther the larger it is.
     pub transform_size: usize,
+    /// Whether the sharp image of the light is in it; else what it lights has it, cut by what covers it.
+    pub with_disc: bool,
 }
 
 /// What the lens does to a disc of light.
@@ -31,12 +34,27 @@ pub struct StarburstOptics {
     pub angular_radius: f64,
 }
 
-/// A square image around the light's.
+/// Half the side of the glare's image at least, by the focal length: 40 degrees to each side.
+const GLARE_TANGENT: f64 = 0.85;
+/// The same at most, millimetres: the diagonal of full frame.
+const GLARE_MM: f64 = 43.3;
+/// Columns and rows of the glare's image, by the transform's.
+const TRANSFORM_BY_GLARE: usize = 4;
+
+/// Square images around the light's.
 pub struct StarburstPattern {
     /// Columns and rows.
     pub size: usize,
     /// Half its side on the sensor, millimetres.
     pub half_mm: f64,
+    /// Columns, rows and half the side of the glare: what is scattered, and the spikes beyond the pattern.
+    pub glare_size: usize,
+    /// Millimetres.
+    pub glare_half_mm: f64,
+    /// Radiance as `radiance`.
+    pub glare: Vec<[f32; 3]>,
+    /// Part of the light that its sharp image keeps, by channel, where that is not in the pattern; else 0.
+    pub disc_fraction: [f64; 3],
     /// Radiance for a light of irradiance 1, linear sRGB, rows from the top. The whole light of the source falls on the
     /// sensor as irradiance times f² per solid angle: radiance = irradiance · f² · spread.
     pub radiance: Vec<[f32; 3]>,
@@ -52,13 +70,22 @@ impl StarburstPattern {
         let size = transform_size / TRANSFORM_BY_PATTERN;
         let colours = spectrum(parameters.wavelengths);
         let disc_mm = optics.angular_radius * optics.focal_mm;
-        let spread = diffraction.spread(&colours, optics.f_number, disc_mm, size, half_mm);
+        let image = (size, half_mm);
+        let (spread, disc_fraction) =
+            diffraction.spread(&colours, optics.f_number, disc_mm, image, parameters.with_disc);
+        let glare_half_mm = GLARE_MM.max(GLARE_TANGENT * optics.focal_mm).min(2.0 * GLARE_MM);
+        let glare_size = (transform_size / TRANSFORM_BY_GLARE).max(256);
+        let shown = |r: f64| shown(r / half_mm);
         let square = (optics.focal_mm * optics.focal_mm) as f32;
         // Its rows run from below.
         let rows = spread.chunks_exact(size).rev().flatten();
         Self {
             size,
             half_mm,
+            glare_size,
+            glare_half_mm,
+            glare: glare(optics, &colours, glare_size, glare_half_mm, shown),
+            disc_fraction,
             radiance: rows.map(|rgb| rgb.map(|value| value * square)).collect(),
         }
     }
