@@ -27,6 +27,21 @@ pub fn daylight_exposure(daylight: f64) -> f32 {
     ((USUAL + DARKEST) / (daylight.max(0.0) + DARKEST)).powf(FOLLOWS) as f32
 }
 
+/// How much a photographer stops down who looks straight at the sun, as a factor; and the angle over which that fades, radians.
+const STOPPED_DOWN: f64 = 0.3;
+const FADES_OVER: f64 = 0.35;
+/// Sines of the sun's altitude between which its glow counts.
+const GLOW: [f64; 2] = [-0.1, 0.0];
+
+/// The factor for a camera behind a lens that looks towards the sun, on top of that for the daylight: its glow is many times brighter
+/// than the town. It goes by the angle between the two alone, so that roofs before the sun change nothing.
+pub fn towards_sun_exposure(forward: DVec3, sun: &Sun) -> f32 {
+    let angle = forward.angle_between(sun.to_sun);
+    let rise = ((sun.to_sun.z - GLOW[0]) / (GLOW[1] - GLOW[0])).clamp(0.0, 1.0);
+    let glow = rise * rise * (3.0 - 2.0 * rise) * (-(angle / FADES_OVER).powi(2)).exp();
+    STOPPED_DOWN.powf(glow) as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

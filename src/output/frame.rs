@@ -10,7 +10,7 @@
 use glam::DVec2;
 
 use super::{FlareSettings, RenderError, Renderer};
-use crate::camera::{Camera, daylight, daylight_exposure};
+use crate::camera::{Camera, daylight, daylight_exposure, towards_sun_exposure};
 use crate::gpu::Band;
 use crate::relief::{ReliefSettings, ReliefView, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
@@ -123,8 +123,12 @@ impl Renderer {
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
         self.flare.encode(encoder, (&self.timer, FLARE));
         let timestamps = self.timer.pass(TONE_MAP);
-        let exposure =
-            request.exposure * daylight_exposure(daylight(request.sun, self.relief.sky_on_level_ground()));
+        let daylight = daylight(request.sun, self.relief.sky_on_level_ground());
+        let metered = match request.camera.lens() {
+            Some(_) => towards_sun_exposure(request.camera.pose.forward, request.sun),
+            None => 1.0,
+        };
+        let exposure = request.exposure * metered * daylight_exposure(daylight);
         self.tone_map
             .encode(&self.gpu, encoder, exposure, samples, timestamps);
     }
