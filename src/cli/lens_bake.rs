@@ -129,8 +129,9 @@ pub fn bake_rays(lens: &Lens, f_number: f64) -> Result<FlareTable, CommandError>
     let start = std::time::Instant::now();
     let table = FlareTable::bake(lens, f_number, max_angle(lens)).map_err(RenderError::from)?;
     say!(
-        "table: {} ghosts, {} angles in all, {:.2} MB, {:.0} ms to bake",
+        "table: {} ghosts, {} left to be traced, {} angles in all, {:.2} MB, {:.0} ms to bake",
         table.len(),
+        table.traced(),
         table.knots(),
         table.bytes() as f64 * 1e-6,
         start.elapsed().as_secs_f64() * 1e3

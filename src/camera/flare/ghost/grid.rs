@@ -22,6 +22,16 @@ pub struct RayGrid {
     pub rays: Vec<Option<TracedRay>>,
 }
 
+/// How often a search looks closer.
+pub const CLOSER_LOOKS: usize = 2;
+/// Rays of a search that get through, from which on it has missed none.
+const ENOUGH_RAYS: usize = 60;
+/// By how much rays miss iris and barrel round which a search looks closer, at most by the nearest.
+const NEARLY: f64 = 1.8;
+
+/// Height of a ray that gets lost, at least.
+const LOST_HEIGHT: f64 = 1.05;
+
 /// How a grid is drawn.
 #[derive(Clone, Copy)]
 pub struct GridDrawing {
@@ -68,11 +78,29 @@ impl RayGrid {
         self.min + (self.max - self.min) * fraction
     }
 
+    /// Of a grid over the whole entrance: where to look closer, as so few of its rays get through that it may have missed some: round
+    /// those that come nearest to it. None where it needs no closer look, or all rays are lost.
+    pub fn closer(&self, linear: &LinearGhost) -> Option<[DVec2; 2]> {
+        let miss = |ray: &TracedRay| ray.relative_height.max(ray.stop_mm.length() / linear.stop_mm);
+        let misses = || self.rays.iter().flatten().map(miss);
+        if misses().filter(|miss| *miss <= 1.0).count() >= ENOUGH_RAYS {
+            return None;
+        }
+        let most = NEARLY * misses().fold(f64::INFINITY, f64::min).max(1.0);
+        let cell = (self.max - self.min) / (self.size - 1) as f64;
+        let near = self.rays.iter().enumerate().filter_map(|(k, ray)| {
+            let is_near = ray.as_ref().is_some_and(|ray| miss(ray) <= most);
+            is_near.then(|| [self.entry(k) - cell, self.entry(k) + cell])
+        });
+        near.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+            .map(|[min, max]| [min.max(self.min), max.min(self.max)])
+    }
+
     /// Of a grid over the whole entrance: the part that gets through, with a cell round it and the linear pupil; none when
     /// nothing does. `max_stop` is the height in the stop up to which rays count, in radii of the iris.
     pub fn window(&self, linear: &LinearGhost, max_stop: f64) -> Option<[DVec2; 2]> {
         let all = DVec2::splat(linear.barrel_mm);
-        let cell = 2.0 * linear.barrel_mm / (self.size - 1) as f64;
+        let cell = (self.max - self.min).max_element() / (self.size - 1) as f64;
         let (mut min, mut max) = (linear.centre - linear.half, linear.centre + linear.half);
         if linear.is_shut() {
             (min, max) = (all, -all);
@@ -88,6 +116,45 @@ impl RayGrid {
         }
         let (min, max) = (min.max(-all), max.min(all));
         (min.x < max.x && min.y < max.y).then_some([min, max])
+    }
+
+    /// Continues a grid straight over lost rays that have two neighbours in a line: their cells are cut, not left out.
+    pub fn extend(&mut self) {
+        let (before, size) = (self.rays.clone(), self.size);
+        let at = |column: Option<usize>, row: Option<usize>| {
+            let (column, row) = (column?, row?);
+            (column < size && row < size).then(|| before[row * size + column])?
+        };
+        for (k, ray) in self.rays.iter_mut().enumerate() {
+            if ray.is_some() {
+                continue;
+            }
+            let (column, row) = (k % size, k / size);
+            let neighbours = [1, 2].map(|far: usize| {
+                [
+                    at(column.checked_sub(far), Some(row)),
+                    at(Some(column + far), Some(row)),
+                    at(Some(column), row.checked_sub(far)),
+                    at(Some(column), Some(row + far)),
+                ]
+            });
+            let guesses: Vec<TracedRay> = (0..4)
+                .filter_map(|direction| {
+                    let (near, far) = (neighbours[0][direction]?, neighbours[1][direction]?);
+                    Some(TracedRay {
+                        stop_mm: 2.0 * near.stop_mm - far.stop_mm,
+                        sensor_mm: 2.0 * near.sensor_mm - far.sensor_mm,
+                        relative_height: (2.0 * near.relative_height - far.relative_height).max(LOST_HEIGHT),
+                        relative_stop: near.relative_stop,
+                        power: (2.0 * near.power - far.power).max(0.0),
+                    })
+                })
+                .collect();
+            // Of several, the one that lies highest: the others may come round the edge.
+            *ray = guesses
+                .into_iter()
+                .max_by(|a, b| a.relative_height.total_cmp(&b.relative_height));
+        }
     }
 
     /// Triangles on the sensor.

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::blend::{Blend, fractions};
 use super::linear::{LinearGhost, MAX_SOFTNESS, stop_radius};
-use super::nonlinear_images::{Context, Optics, Part};
+use super::nonlinear_images::{Context, GhostImage, Optics, Part};
 use super::nonlinearity::nonlinearity;
 use super::parameters::{FlareMode, FlareParameters, Pattern};
 use super::quad::{quad, two_rays};
@@ -59,16 +59,25 @@ pub struct GhostTriangles {
 }
 
 impl GhostTriangles {
-    fn new(vertices: &[FlareVertex], colours: usize, radius_mm: f64, in_iris: Option<[f64; 2]>) -> Self {
+    fn new(
+        vertices: &[FlareVertex],
+        (colours, lit_mm2): (usize, Option<f64>),
+        radius_mm: f64,
+        in_iris: Option<[f64; 2]>,
+    ) -> Self {
         let at = |vertex: &FlareVertex| glam::Vec2::from_array(vertex.sensor_mm).as_dvec2();
         let empty = [DVec2::INFINITY, DVec2::NEG_INFINITY];
-        // Quads are as large as all of their ghost.
-        let points = if vertices.len() > 6 * colours { 1 } else { 12 };
         let (mut area_mm2, mut light) = (0.0, 0.0);
         for triangle in vertices.chunks_exact(3) {
-            let lit = lit_fraction(triangle, points);
-            area_mm2 += lit * triangle_area_mm2(triangle) / colours as f64;
-            light += lit * triangle_light(triangle);
+            let whole = triangle_area_mm2(triangle);
+            let lit = match lit_mm2 {
+                // Quads are two triangles.
+                Some(lit_mm2) => 0.5 * lit_mm2,
+                None if is_lit(triangle) => whole,
+                None => 0.0,
+            };
+            area_mm2 += lit / colours as f64;
+            light += triangle_light(triangle) * lit / whole.max(1e-12);
         }
         Self {
             vertices: vertices.len(),
@@ -84,38 +93,36 @@ impl GhostTriangles {
     }
 }
 
-/// Part of a triangle that iris and barrel let through, by points along an edge.
-fn lit_fraction(triangle: &[FlareVertex], points: usize) -> f64 {
-    let mix = |of: fn(&FlareVertex) -> [f32; 2], weights: [f32; 3]| {
-        let parts = triangle.iter().zip(weights);
-        parts
-            .map(|(vertex, weight)| weight * glam::Vec2::from_array(of(vertex)))
-            .sum::<glam::Vec2>()
+/// Whether iris and barrel let the centre of a triangle through.
+fn is_lit(triangle: &[FlareVertex]) -> bool {
+    let centre = |of: fn(&FlareVertex) -> [f32; 2]| {
+        let sum: glam::Vec2 = triangle
+            .iter()
+            .map(|vertex| glam::Vec2::from_array(of(vertex)))
+            .sum();
+        sum / 3.0
     };
-    let (mut lit, mut all) = (0, 0);
-    for i in 0..points {
-        for j in 0..points - i {
-            let unit = 1.0 / points as f32;
-            let (a, b) = ((i as f32 + 1.0 / 3.0) * unit, (j as f32 + 1.0 / 3.0) * unit);
-            let weights = [1.0 - a - b, a, b];
-            let is_lit = mix(|vertex| vertex.stop, weights).length() <= 1.0
-                && mix(|vertex| vertex.barrel, weights).length() <= 1.0;
-            lit += usize::from(is_lit);
-            all += 1;
-        }
-    }
-    lit as f64 / all as f64
+    centre(|vertex| vertex.stop).length() <= 1.0 && centre(|vertex| vertex.barrel).length() <= 1.0
 }
 
 impl FlareMesh {
     /// Adds images of ghosts, each in so many colours.
-    fn add(&mut self, images: Vec<(Softness, Vec<FlareVertex>)>, colours: usize) {
-        for (softness, vertices) in images {
+    fn add(&mut self, images: Vec<GhostImage>, colours: usize) {
+        for GhostImage {
+            softness,
+            vertices,
+            lit_mm2,
+        } in images
+        {
             let in_iris = [softness.stop, softness.front];
             let mut push = |vertices: Vec<FlareVertex>, radius_mm: f64, in_iris: Option<[f64; 2]>| {
                 if !vertices.is_empty() {
-                    self.ghosts
-                        .push(GhostTriangles::new(&vertices, colours, radius_mm, in_iris));
+                    self.ghosts.push(GhostTriangles::new(
+                        &vertices,
+                        (colours, lit_mm2),
+                        radius_mm,
+                        in_iris,
+                    ));
                     self.added.extend(vertices);
                 }
             };
@@ -237,7 +244,10 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
     let mut mesh = FlareMesh::default();
     let quads = parts.par_iter().filter(|part| part.linear > 0.0);
     let quads_of = |part: &Part| {
-        let softness = Softness::linear(&linear_of(part.ghost, &d_line), &source);
+        let linear = linear_of(part.ghost, &d_line);
+        let softness = Softness::linear(&linear, &source);
+        // A round iris fills that much of its square.
+        let lit_mm2 = linear.f[0].powi(2) * std::f64::consts::PI * linear.half.element_product();
         let vertices = optics.iter().flat_map(|optics| {
             let tracer = Tracer::new(lens, optics.colour.um, gap);
             let linear = linear_of(part.ghost, &optics.paraxial).softened(&softness);
@@ -256,7 +266,11 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
             }
             vertices
         });
-        (softness, vertices.collect())
+        GhostImage {
+            softness,
+            vertices: vertices.collect(),
+            lit_mm2: Some(lit_mm2),
+        }
     };
     mesh.add(quads.map(quads_of).collect(), optics.len());
 
@@ -268,14 +282,21 @@ pub fn flare_mesh(parameters: &FlareParameters<'_>) -> Result<FlareMesh, GpuErro
         stop_mm,
     };
     let images = match (ghosts.mode, parameters.table) {
-        (FlareMode::Blended, Some(table)) => context.tabled(&curved, table),
-        _ => context.traced(&curved)?,
+        (FlareMode::Blended, Some(table)) => {
+            let (traced, tabled): (Vec<&Part>, Vec<&Part>) =
+                curved.iter().partition(|part| table.is_traced(part.ghost));
+            let mut images = context.tabled(&tabled, table);
+            // No grid of a table tells them, as thin as they are.
+            images.extend(context.traced(&traced, 2)?);
+            images
+        }
+        _ => context.traced(&curved, 1)?,
     };
     if ghosts.mode != FlareMode::Blended || ghosts.blend != Blend::Alpha {
         mesh.add(images, optics.len());
         return Ok(mesh);
     }
-    mesh.above = images.into_iter().flat_map(|(_, vertices)| vertices).collect();
+    mesh.above = images.into_iter().flat_map(|image| image.vertices).collect();
     // One colour masks for all: each would hide the others.
     let masks = mesh.above.iter().filter(|vertex| vertex.opacity > 0.0);
     mesh.masks = masks
@@ -310,6 +331,9 @@ fn parts(parameters: &FlareParameters<'_>) -> Vec<Part> {
             let [linear, nonlinear] = match (mode, parameters.table) {
                 (FlareMode::Paraxial | FlareMode::TwoRays, _) => [1.0, 0.0],
                 (FlareMode::Exact, _) => [0.0, 1.0],
+                (FlareMode::Blended, Some(table)) if table.is_traced(ghost) => {
+                    fractions(blend, f64::INFINITY)
+                }
                 (FlareMode::Blended, Some(table)) => match table.ghost(ghost) {
                     Some(_) if blend == Blend::Add => [0.0, 1.0],
                     Some(tabled) => fractions(blend, tabled.nonlinearity_error(source.angle)),

@@ -4,7 +4,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::blend::{Fit, fitted};
-use super::grid::{GridDrawing, MARGIN_STOP, RayGrid, SEARCH_RAYS};
+use super::grid::{CLOSER_LOOKS, GridDrawing, MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use super::linear::{LinearGhost, MAX_SOFTNESS};
 use super::parameters::{FlareMode, FlareParameters};
 use super::patches::rays_needed;
@@ -64,8 +64,15 @@ struct Job<'a> {
     rays: usize,
 }
 
-/// Softness and triangles of a ghost.
-type Image = (Softness, Vec<FlareVertex>);
+/// An image of a ghost.
+pub struct GhostImage {
+    /// How it is softened.
+    pub softness: Softness,
+    /// Its triangles.
+    pub vertices: Vec<FlareVertex>,
+    /// Area on the sensor of the part that iris and front let through, in one colour, square millimetres; none where its triangles tell.
+    pub lit_mm2: Option<f64>,
+}
 
 impl Context<'_> {
     fn linear(&self, ghost: Ghost, paraxial: &Paraxial) -> LinearGhost {
@@ -83,14 +90,14 @@ impl Context<'_> {
     }
 
     /// Rays along an edge of a ghost's grid: all that are asked for in the exact mode, else as many as it needs.
-    fn rays_needed(&self, known: &RayGrid, window: [DVec2; 2], softness: &Softness) -> usize {
+    fn rays_needed(&self, known: &RayGrid, window: [DVec2; 2], softness: &Softness, finer: usize) -> usize {
         let FlareParameters { lens, ghosts, .. } = *self.parameters;
         if ghosts.mode == FlareMode::Exact {
             return ghosts.rays.max(2);
         }
         let half_diagonal_mm = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
         let sizes = (self.stop_mm, half_diagonal_mm);
-        rays_needed(known, window, softness, sizes, ghosts.rays)
+        rays_needed(known, window, softness, sizes, finer * ghosts.rays)
     }
 
     fn triangles(&self, part: &Part, optics: &Optics, softness: Softness, grid: RayGrid) -> Vec<FlareVertex> {
@@ -119,27 +126,31 @@ impl Context<'_> {
     }
 
     /// Images evaluated from a table; those of ghosts without light are left out.
-    pub fn tabled(&self, parts: &[&Part], table: &FlareTable) -> Vec<Image> {
+    pub fn tabled(&self, parts: &[&Part], table: &FlareTable) -> Vec<GhostImage> {
         let FlareParameters { source, .. } = *self.parameters;
         let image = |part: &&Part| {
             let evaluated = table.ghost(part.ghost)?.at(source.angle)?;
             let softness = self.softness(part.ghost, evaluated.centre_mm());
             let known = evaluated.grid(D_LINE_UM, KNOWN_RAYS);
-            let rays = self.rays_needed(&known, [known.min, known.max], &softness);
+            let rays = self.rays_needed(&known, [known.min, known.max], &softness, 1);
             let vertices = self.optics.iter().flat_map(|optics| {
                 let grid = evaluated.grid(optics.colour.um, rays);
                 self.triangles(part, optics, softness, grid)
             });
-            Some((softness, vertices.collect()))
+            Some(GhostImage {
+                softness,
+                vertices: vertices.collect(),
+                lit_mm2: None,
+            })
         };
         parts.par_iter().filter_map(image).collect()
     }
 
-    /// Images by rays traced for this angle.
+    /// Images by rays traced for this angle, `finer` times as many along an edge as are asked for at most.
     ///
     /// # Errors
     /// When the device fails while it traces.
-    pub fn traced(&self, parts: &[&Part]) -> Result<Vec<Image>, GpuError> {
+    pub fn traced(&self, parts: &[&Part], finer: usize) -> Result<Vec<GhostImage>, GpuError> {
         let FlareParameters {
             lens,
             source,
@@ -160,8 +171,28 @@ impl Context<'_> {
             max: DVec2::splat(linear.barrel_mm),
         };
         let searches: Vec<Bundle> = parts.iter().zip(&linears).map(whole).collect();
-        let found = tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
-        let mut images: Vec<Image> = Vec::new();
+        let mut found = tracing.grids(lens, gap, &searches, SEARCH_RAYS)?;
+        for _ in 0..CLOSER_LOOKS {
+            let closer: Vec<(usize, Bundle)> = (0..found.len())
+                .filter_map(|k| {
+                    let [min, max] = found[k].closer(&linears[k])?;
+                    Some((
+                        k,
+                        Bundle {
+                            min,
+                            max,
+                            ..searches[k]
+                        },
+                    ))
+                })
+                .collect();
+            let bundles: Vec<Bundle> = closer.iter().map(|(_, bundle)| *bundle).collect();
+            let grids = tracing.grids(lens, gap, &bundles, SEARCH_RAYS)?;
+            for ((k, _), grid) in closer.into_iter().zip(grids) {
+                found[k] = grid;
+            }
+        }
+        let mut images: Vec<GhostImage> = Vec::new();
         let mut jobs = Vec::new();
         for ((&part, linear), search) in parts.iter().zip(&linears).zip(&found) {
             let softness = Softness::linear(linear, &source);
@@ -170,7 +201,7 @@ impl Context<'_> {
                 continue;
             };
             let softness = self.softness(part.ghost, 0.5 * (min + max));
-            let rays = self.rays_needed(search, [min, max], &softness);
+            let rays = self.rays_needed(search, [min, max], &softness, finer);
             for optics in self.optics {
                 let bundle = Bundle {
                     ghost: Some(part.ghost),
@@ -187,7 +218,11 @@ impl Context<'_> {
                     rays,
                 });
             }
-            images.push((softness, Vec::new()));
+            images.push(GhostImage {
+                softness,
+                vertices: Vec::new(),
+                lit_mm2: None,
+            });
         }
         // Grids of one size are traced together.
         jobs.sort_by_key(|job| job.rays);
@@ -199,10 +234,13 @@ impl Context<'_> {
                 let made: Vec<Vec<FlareVertex>> = jobs
                     .par_iter()
                     .zip(grids)
-                    .map(|(job, grid)| self.triangles(job.part, job.optics, images[job.image].0, grid))
+                    .map(|(job, mut grid)| {
+                        grid.extend();
+                        self.triangles(job.part, job.optics, images[job.image].softness, grid)
+                    })
                     .collect();
                 for (job, vertices) in jobs.iter().zip(made) {
-                    images[job.image].1.extend(vertices);
+                    images[job.image].vertices.extend(vertices);
                 }
             }
         }

@@ -4,9 +4,9 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZE, Unpacked, Values};
-use super::ray_table::{FlareTable, TabledGhost, between};
-use crate::camera::flare::ghost::grid::{MARGIN_STOP, RayGrid, SEARCH_RAYS};
+use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZES, Unpacked, Values, values_of};
+use super::ray_table::{FlareTable, TabledGhost, between, smooth};
+use crate::camera::flare::ghost::grid::{CLOSER_LOOKS, MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
 use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity};
 use crate::camera::flare::ghost::tracing::Tracing;
@@ -14,11 +14,12 @@ use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
 use crate::camera::ray_bundles::Bundle;
-use crate::camera::trace::{TracedRay, Tracer, beam_direction};
+use crate::camera::trace::{Tracer, beam_direction};
 use crate::gpu::GpuError;
 
-/// Angles that are traced; those become knots that the others do not tell.
-const ANGLES: usize = 41;
+/// Angles that are traced, at least, and at most so far apart, radians; those become knots that the others do not tell.
+const MIN_ANGLES: usize = 41;
+const ANGLE_STEP: f64 = 0.007;
 /// Interpolation error that is near enough, as a fraction of the sensor's half diagonal.
 const NEAR_ENOUGH: f64 = 0.006;
 /// Angles to either side over which windows are smoothed.
@@ -29,21 +30,42 @@ const FAR_OFF: f64 = 1e3;
 impl FlareTable {
     /// Traces all ghosts that are nonlinear at any angle up to `max_angle` radians.
     pub fn bake(lens: &Lens, f_number: f64, max_angle: f64) -> Result<Self, GpuError> {
-        let ghosts = single_crossing_ghosts(lens)
+        let tabled = single_crossing_ghosts(lens)
             .into_par_iter()
             .map(|ghost| tabled(lens, ghost, f_number, max_angle))
             .collect::<Result<Vec<_>, _>>()?;
+        let (mut ghosts, mut traced) = (Vec::new(), Vec::new());
+        for ghost in tabled {
+            match ghost {
+                Tabled::Linear => {}
+                Tabled::Grids(ghost) => ghosts.push(ghost),
+                Tabled::Traced(Ghost { first, second }) => traced.push([first, second]),
+            }
+        }
         Ok(Self {
             f_number,
-            ghosts: ghosts.into_iter().flatten().collect(),
+            max_angle,
+            ghosts,
+            traced,
         })
     }
 }
 
-/// A ghost's knots; none for one that is linear enough at all angles, or never lets light through.
-fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Option<TabledGhost>, GpuError> {
-    let optics: Vec<Optics<'_>> = (0..ANGLES)
-        .map(|k| Optics::new(lens, ghost, max_angle * k as f64 / (ANGLES - 1) as f64, f_number))
+/// What a table has of a ghost.
+enum Tabled {
+    /// Nothing: it is linear enough at all angles, or never lets light through.
+    Linear,
+    /// Its knots.
+    Grids(TabledGhost),
+    /// That it is to be traced.
+    Traced(Ghost),
+}
+
+/// What a table has of a ghost.
+fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Tabled, GpuError> {
+    let angles = ((max_angle / ANGLE_STEP).ceil() as usize + 1).max(MIN_ANGLES);
+    let optics: Vec<Optics<'_>> = (0..angles)
+        .map(|k| Optics::new(lens, ghost, max_angle * k as f64 / (angles - 1) as f64, f_number))
         .collect();
     let windows = optics.iter().map(Optics::window).collect::<Result<Vec<_>, _>>()?;
     let nonlinearity_errors: Vec<f64> = optics
@@ -55,8 +77,15 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Op
         .zip(&windows)
         .filter(|(_, window)| window.is_some());
     if !lit.any(|(nonlinearity_error, _)| *nonlinearity_error > LINEAR_ENOUGH) {
-        return Ok(None);
+        return Ok(Tabled::Linear);
     }
+    let near = Nearness {
+        sensor_mm: NEAR_ENOUGH * 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]),
+        stop_mm: optics[0].linear.stop_mm,
+    };
+    let Some(size) = size_needed(&optics, &windows, &near)? else {
+        return Ok(Tabled::Traced(ghost));
+    };
     let is_lit = |k: usize| windows.get(k).is_some_and(Option::is_some);
     let all = optics
         .iter()
@@ -68,23 +97,19 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Op
             Ok(Knot {
                 angle: optics.angle,
                 nonlinearity_error: nonlinearity_errors[k].min(FAR_OFF) as f32,
-                light: window.map(|window| optics.light(window)).transpose()?,
+                light: window.map(|window| optics.light(window, size)).transpose()?,
             })
         })
         .collect::<Result<Vec<_>, GpuError>>()?;
     // The ends, and both sides of where light begins or ends.
-    let mut is_knot: Vec<bool> = (0..ANGLES)
+    let mut is_knot: Vec<bool> = (0..angles)
         .map(|k| {
             let begins = |a: usize, b: usize| all[a].light.is_some() != all[b].light.is_some();
-            k == 0 || k == ANGLES - 1 || begins(k, k + 1) || begins(k - 1, k)
+            k == 0 || k == angles - 1 || begins(k, k + 1) || begins(k - 1, k)
         })
         .collect();
-    let near = Nearness {
-        sensor_mm: NEAR_ENOUGH * 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]),
-        stop_mm: optics[0].linear.stop_mm,
-    };
     loop {
-        let knots_at: Vec<usize> = (0..ANGLES).filter(|&k| is_knot[k]).collect();
+        let knots_at: Vec<usize> = (0..angles).filter(|&k| is_knot[k]).collect();
         let knots: Vec<Knot> = knots_at.iter().map(|&k| all[k].clone()).collect();
         let off = |k: usize| match (&all[k].light, between(&knots, all[k].angle)) {
             (None, None) => 0.0,
@@ -100,7 +125,7 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Op
             })
             .collect();
         if worst.is_empty() {
-            return Ok(Some(TabledGhost {
+            return Ok(Tabled::Grids(TabledGhost {
                 first: ghost.first,
                 second: ghost.second,
                 knots,
@@ -134,6 +159,55 @@ fn widened(windows: &[Option<[DVec2; 2]>], k: usize) -> Option<[DVec2; 2]> {
     (!hulls.is_empty()).then(|| [mean(0), mean(1)])
 }
 
+/// Angles at which it is tested how fine a ghost's grids are to be.
+const TESTED_ANGLES: usize = 7;
+/// Fraction of the rays between a grid's that may be off by more than is near enough.
+const OFF_FRACTION: f64 = 0.03;
+
+/// The same of the finest grids, over which a ghost is left to be traced.
+const MAX_OFF_FRACTION: f64 = 0.12;
+
+/// Rays along an edge of a ghost's grids: the least of `SIZES` by which the rays between a grid's are near enough, at angles spread over
+/// those with light. None where not even the finest is anywhere near.
+fn size_needed(
+    optics: &[Optics<'_>],
+    windows: &[Option<[DVec2; 2]>],
+    near: &Nearness,
+) -> Result<Option<usize>, GpuError> {
+    let lit: Vec<usize> = (0..windows.len()).filter(|&k| windows[k].is_some()).collect();
+    let step = lit.len().div_ceil(TESTED_ANGLES).max(1);
+    let tested: Vec<(usize, [DVec2; 2])> = lit
+        .into_iter()
+        .step_by(step)
+        .filter_map(|k| Some((k, widened(windows, k)?)))
+        .collect();
+    let mut off_fraction = 0.0;
+    for size in SIZES {
+        let (mut off, mut all) = (0, 0);
+        for &(k, window) in &tested {
+            let mut grid = optics[k].grid(D_LINE_UM, window, size)?;
+            grid.extend();
+            let known: Vec<Option<Values>> =
+                grid.rays.iter().map(|ray| ray.as_ref().map(values_of)).collect();
+            let between = optics[k].grid(D_LINE_UM, window, 2 * size - 1)?;
+            for (index, ray) in between.rays.iter().enumerate() {
+                let at = DVec2::new((index % between.size) as f64, (index / between.size) as f64) * 0.5;
+                let truth = ray.as_ref().map(values_of);
+                if near.passes(&truth) {
+                    all += 1;
+                    off += usize::from(near.off_ray(&truth, &smooth(&known, size, at)) > 1.0);
+                }
+            }
+        }
+        off_fraction = off as f64 / f64::from(all.max(1));
+        if off_fraction <= OFF_FRACTION {
+            return Ok(Some(size));
+        }
+    }
+    let [.., finest] = SIZES;
+    Ok((off_fraction <= MAX_OFF_FRACTION).then_some(finest))
+}
+
 /// When two grids of a ghost are as good as the same.
 struct Nearness {
     sensor_mm: f64,
@@ -147,25 +221,30 @@ const NEAR_EDGE: f64 = 0.05;
 impl Nearness {
     /// Largest difference of rays that pass in either, in units of what is near enough.
     fn off(&self, a: &Unpacked, b: &Unpacked) -> f64 {
-        let stop = |values: &Values| DVec2::new(values[2], values[3]);
-        let passes = |values: &Option<Values>| {
-            values.is_some_and(|values| {
-                values[4] <= 1.0 + NEAR_EDGE && stop(&values).length() <= 1.1 * self.stop_mm
-            })
-        };
         let pairs = a.colours.iter().flatten().zip(b.colours.iter().flatten());
         pairs
-            .filter(|(a, b)| passes(a) || passes(b))
-            .map(|(a, b)| {
-                let (Some(a), Some(b)) = (a, b) else {
-                    return f64::INFINITY;
-                };
-                let on_sensor = (a[0] - b[0]).hypot(a[1] - b[1]) / self.sensor_mm;
-                let in_stop = stop(a).distance(stop(b)) / (NEAR_EDGE * self.stop_mm);
-                let height = (a[4] - b[4]).abs() / NEAR_EDGE;
-                on_sensor.max(in_stop).max(height)
-            })
+            .filter(|(a, b)| self.passes(a) || self.passes(b))
+            .map(|(a, b)| self.off_ray(a, b))
             .fold(0.0, f64::max)
+    }
+
+    /// Whether a ray passes, or nearly.
+    fn passes(&self, values: &Option<Values>) -> bool {
+        values.is_some_and(|values| {
+            let stop = DVec2::new(values[2], values[3]);
+            values[4] <= 1.0 + NEAR_EDGE && stop.length() <= 1.1 * self.stop_mm
+        })
+    }
+
+    /// Difference of two rays.
+    fn off_ray(&self, a: &Option<Values>, b: &Option<Values>) -> f64 {
+        let (Some(a), Some(b)) = (a, b) else {
+            return f64::INFINITY;
+        };
+        let on_sensor = (a[0] - b[0]).hypot(a[1] - b[1]) / self.sensor_mm;
+        let in_stop = (a[2] - b[2]).hypot(a[3] - b[3]) / (NEAR_EDGE * self.stop_mm);
+        let height = (a[4] - b[4]).abs() / NEAR_EDGE;
+        on_sensor.max(in_stop).max(height)
     }
 }
 
@@ -194,7 +273,13 @@ impl<'a> Optics<'a> {
     /// The part of the entrance that lets light through.
     fn window(&self) -> Result<Option<[DVec2; 2]>, GpuError> {
         let all = DVec2::splat(self.linear.barrel_mm);
-        let search = self.grid(D_LINE_UM, [-all, all], SEARCH_RAYS)?;
+        let mut search = self.grid(D_LINE_UM, [-all, all], SEARCH_RAYS)?;
+        for _ in 0..CLOSER_LOOKS {
+            match search.closer(&self.linear) {
+                Some(part) => search = self.grid(D_LINE_UM, part, SEARCH_RAYS)?,
+                None => break,
+            }
+        }
         Ok(search.window(&self.linear, MARGIN_STOP))
     }
 
@@ -210,12 +295,12 @@ impl<'a> Optics<'a> {
         Ok(grids.swap_remove(0))
     }
 
-    fn light(&self, window: [DVec2; 2]) -> Result<Light, GpuError> {
-        let [blue, red] = COLOURS_UM.map(|um| self.grid(um, window, SIZE));
+    fn light(&self, window: [DVec2; 2], size: usize) -> Result<Light, GpuError> {
+        let [blue, red] = COLOURS_UM.map(|um| self.grid(um, window, size));
         let (mut blue, mut red) = (blue?, red?);
         let curve = self.curve(&blue);
-        extend(&mut blue);
-        extend(&mut red);
+        blue.extend();
+        red.extend();
         Ok(Light::packed([&blue, &red], curve))
     }
 
@@ -243,47 +328,5 @@ impl<'a> Optics<'a> {
         };
         let whole = power(COLOURS_UM[0]).max(1e-12);
         CURVE_UM.map(|um| power(um) / whole)
-    }
-}
-
-/// Height of a ray that gets lost, at least: its cell is cut, not left out.
-const LOST_HEIGHT: f64 = 1.05;
-
-/// Continues a grid straight over lost rays that have two neighbours in a line.
-fn extend(grid: &mut RayGrid) {
-    let before = grid.rays.clone();
-    let at = |column: Option<usize>, row: Option<usize>| {
-        let (column, row) = (column?, row?);
-        (column < SIZE && row < SIZE).then(|| before[row * SIZE + column])?
-    };
-    for (k, ray) in grid.rays.iter_mut().enumerate() {
-        if ray.is_some() {
-            continue;
-        }
-        let (column, row) = (k % SIZE, k / SIZE);
-        let neighbours = [1, 2].map(|far: usize| {
-            [
-                at(column.checked_sub(far), Some(row)),
-                at(Some(column + far), Some(row)),
-                at(Some(column), row.checked_sub(far)),
-                at(Some(column), Some(row + far)),
-            ]
-        });
-        let guesses: Vec<TracedRay> = (0..4)
-            .filter_map(|direction| {
-                let (near, far) = (neighbours[0][direction]?, neighbours[1][direction]?);
-                Some(TracedRay {
-                    stop_mm: 2.0 * near.stop_mm - far.stop_mm,
-                    sensor_mm: 2.0 * near.sensor_mm - far.sensor_mm,
-                    relative_height: (2.0 * near.relative_height - far.relative_height).max(LOST_HEIGHT),
-                    relative_stop: near.relative_stop,
-                    power: (2.0 * near.power - far.power).max(0.0),
-                })
-            })
-            .collect();
-        // Of several, the one that lies highest: the others may come round the edge.
-        *ray = guesses
-            .into_iter()
-            .max_by(|a, b| a.relative_height.total_cmp(&b.relative_height));
     }
 }

@@ -70,7 +70,7 @@ struct Body {
 }
 
 const FORMAT: &str = "rilievo flare table";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Most bytes of an unpacked file.
 const MAX_BYTES: u64 = 128 << 20;
 
@@ -80,6 +80,13 @@ pub fn write_table(path: &Path, lens: &Lens, table: TableFile) -> Result<u64, Ta
         path: path.to_owned(),
         source,
     };
+    // Nothing is written that cannot be read.
+    if !table.is_sound() {
+        return Err(TableError::Damaged {
+            path: path.to_owned(),
+            why: "what was baked has numbers that a table cannot hold".to_owned(),
+        });
+    }
     let body = Body {
         format: FORMAT.to_owned(),
         version: VERSION,
@@ -122,11 +129,7 @@ pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<TableFile, 
             body.format, body.version
         )));
     }
-    let is_sound = match &body.table {
-        TableFile::Rays(table) => table.is_sound(),
-        TableFile::Images(table) => table.is_sound(),
-    };
-    if !is_sound {
+    if !body.table.is_sound() {
         return Err(damaged("its sizes or numbers are wrong".to_owned()));
     }
     let other = |what: String| TableError::Other {
@@ -154,11 +157,19 @@ fn optics_of(toml: &str) -> Vec<&str> {
 }
 
 impl TableFile {
+    /// Whether all sizes and numbers are sound.
+    fn is_sound(&self) -> bool {
+        match self {
+            Self::Rays(table) => table.is_sound(),
+            Self::Images(table) => table.is_sound(),
+        }
+    }
+
     /// What holds a light at an angle, radians: rays, images, and which images of ghosts are then still to be made. Beyond
     /// its largest angle a table holds nothing, and all is made.
     pub fn at(&self, angle: f64) -> (Option<&FlareTable>, Option<&ImageTable>, Pattern) {
         match self {
-            Self::Rays(table) if angle <= table.max_angle() => (Some(table), None, Pattern::Whole),
+            Self::Rays(table) if angle <= table.max_angle => (Some(table), None, Pattern::Whole),
             Self::Images(table) if !table.with_linear => (None, Some(table), Pattern::Linear),
             Self::Images(table) if angle <= table.max_angle() => (None, Some(table), Pattern::Linear),
             _ => (None, None, Pattern::Whole),

@@ -6,7 +6,7 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::knot::{COLOURS_UM, CURVE_UM, Knot, SIZE, STORED, Unpacked, VALUES, Values};
+use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, Unpacked, VALUES, Values, stored};
 use crate::camera::flare::ghost::grid::RayGrid;
 use crate::camera::path::Ghost;
 use crate::camera::trace::TracedRay;
@@ -16,7 +16,11 @@ use crate::camera::trace::TracedRay;
 pub struct FlareTable {
     /// f-number it was baked for.
     pub f_number: f64,
+    /// Largest angle, radians.
+    pub max_angle: f64,
     pub(super) ghosts: Vec<TabledGhost>,
+    /// Reflections of the ghosts that no grid tells well enough: they are to be traced.
+    pub(super) traced: Vec<[usize; 2]>,
 }
 
 /// One ghost's grids by angle.
@@ -41,6 +45,16 @@ impl FlareTable {
             .find(|tabled| (tabled.first, tabled.second) == (ghost.first, ghost.second))
     }
 
+    /// Whether a ghost is left to be traced.
+    pub fn is_traced(&self, ghost: Ghost) -> bool {
+        self.traced.contains(&[ghost.first, ghost.second])
+    }
+
+    /// Number of ghosts that are left to be traced.
+    pub fn traced(&self) -> usize {
+        self.traced.len()
+    }
+
     /// Number of ghosts in it.
     pub fn len(&self) -> usize {
         self.ghosts.len()
@@ -49,12 +63,6 @@ impl FlareTable {
     /// Whether every ghost is linear enough.
     pub fn is_empty(&self) -> bool {
         self.ghosts.is_empty()
-    }
-
-    /// Largest angle, radians.
-    pub fn max_angle(&self) -> f64 {
-        let last = self.ghosts.iter().filter_map(|ghost| ghost.knots.last());
-        last.map(|knot| knot.angle).fold(0.0, f64::max)
     }
 
     /// Number of knots, all ghosts together.
@@ -72,7 +80,9 @@ impl FlareTable {
 
     /// Whether all sizes and numbers are sound (a file may be damaged).
     pub(super) fn is_sound(&self) -> bool {
-        let is_number = self.f_number.is_finite() && self.f_number > 0.0;
+        let is_number = [self.f_number, self.max_angle]
+            .iter()
+            .all(|number| number.is_finite() && *number > 0.0);
         is_number
             && self.ghosts.iter().all(|ghost| {
                 let ordered = ghost.knots.windows(2).all(|pair| pair[0].angle < pair[1].angle);
@@ -83,7 +93,10 @@ impl FlareTable {
                         .knots
                         .iter()
                         .all(|knot| knot.angle.is_finite() && knot.nonlinearity_error.is_finite())
-                    && lights.into_iter().all(|light| light.is_sound())
+                    && lights.clone().all(|light| light.is_sound())
+                    && lights
+                        .clone()
+                        .all(|light| Some(light.size()) == lights.clone().next().map(Light::size))
             })
     }
 }
@@ -136,7 +149,7 @@ pub fn between(knots: &[Knot], angle: f64) -> Option<Unpacked> {
         Some(DVec2::new(along(0)?, along(1)?))
     };
     let rays = |colour: usize| {
-        (0..STORED)
+        (0..stored(lower.1.size))
             .map(|ray| {
                 let mut values = [0.0; VALUES];
                 for (k, value) in values.iter_mut().enumerate() {
@@ -148,6 +161,7 @@ pub fn between(knots: &[Knot], angle: f64) -> Option<Unpacked> {
             .collect()
     };
     Some(Unpacked {
+        size: lower.1.size,
         window: [bound(0)?, bound(1)?],
         colours: [rays(0), rays(1)],
         curve: {
@@ -196,16 +210,17 @@ impl EvaluatedGhost {
         let inverse_square = |um: f64| um.powi(-2);
         let [blue, red] = COLOURS_UM.map(inverse_square);
         let fraction = (inverse_square(wavelength_um) - blue) / (red - blue);
-        let coarse: Vec<Option<Values>> = (0..SIZE * SIZE)
+        let known = self.unpacked.size;
+        let coarse: Vec<Option<Values>> = (0..known * known)
             .map(|k| {
                 // The other half is this one's mirror image.
-                let (column, row) = (k % SIZE, k / SIZE);
-                let (stored, mirror) = if row < SIZE / 2 {
+                let (column, row) = (k % known, k / known);
+                let (stored, mirror) = if row < known / 2 {
                     (row, 1.0)
                 } else {
-                    (SIZE - 1 - row, -1.0)
+                    (known - 1 - row, -1.0)
                 };
-                let index = stored * SIZE + column;
+                let index = stored * known + column;
                 let (a, b) = (self.unpacked.colours[0][index]?, self.unpacked.colours[1][index]?);
                 let mut mixed: Values = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * fraction);
                 mixed[1] *= mirror;
@@ -217,13 +232,15 @@ impl EvaluatedGhost {
         let size = size.max(2);
         let rays = (0..size * size)
             .map(|k| {
-                let position = |index: usize| index as f64 / (size - 1) as f64 * (SIZE - 1) as f64;
-                smooth(&coarse, position(k % size), position(k / size)).map(|value| TracedRay {
-                    sensor_mm: DVec2::new(value[0], value[1]),
-                    stop_mm: DVec2::new(value[2], value[3]),
-                    relative_height: value[4],
-                    relative_stop: 0.0,
-                    power: value[5] * value[5] * fraction,
+                let position = |index: usize| index as f64 / (size - 1) as f64 * (known - 1) as f64;
+                smooth(&coarse, known, DVec2::new(position(k % size), position(k / size))).map(|value| {
+                    TracedRay {
+                        sensor_mm: DVec2::new(value[0], value[1]),
+                        stop_mm: DVec2::new(value[2], value[3]),
+                        relative_height: value[4],
+                        relative_stop: 0.0,
+                        power: value[5] * value[5] * fraction,
+                    }
                 })
             })
             .collect();
@@ -245,9 +262,9 @@ fn fraction_at(curve: &[f64; CURVE_UM.len()], wavelength_um: f64) -> f64 {
 }
 
 /// Catmull & Rom's spline (1974) through a grid's values; straight between two where the ones beyond are missing.
-fn smooth(grid: &[Option<Values>], x: f64, y: f64) -> Option<Values> {
+pub fn smooth(grid: &[Option<Values>], size: usize, at: DVec2) -> Option<Values> {
     let along = |at: f64, value: &dyn Fn(usize) -> Option<Values>| -> Option<Values> {
-        let index = (at.floor() as usize).min(SIZE - 2);
+        let index = (at.floor() as usize).min(size - 2);
         let t = at - index as f64;
         let (p1, p2) = (value(index)?, value(index + 1)?);
         let beyond = |from: Values, to: Values| std::array::from_fn(|k| 2.0 * from[k] - to[k]);
@@ -256,7 +273,7 @@ fn smooth(grid: &[Option<Values>], x: f64, y: f64) -> Option<Values> {
             .and_then(value)
             .unwrap_or_else(|| beyond(p1, p2));
         let p3 = Some(index + 2)
-            .filter(|&k| k < SIZE)
+            .filter(|&k| k < size)
             .and_then(value)
             .unwrap_or_else(|| beyond(p2, p1));
         Some(std::array::from_fn(|k| {
@@ -267,5 +284,5 @@ fn smooth(grid: &[Option<Values>], x: f64, y: f64) -> Option<Values> {
                 + (3.0 * b - a - 3.0 * c + d) * t * t * t)
         }))
     };
-    along(y, &|row| along(x, &|column| grid[row * SIZE + column]))
+    along(at.y, &|row| along(at.x, &|column| grid[row * size + column]))
 }
