@@ -840,4 +840,19 @@ fn the_table_of_claims_names_what_exists() {
         }
     }
     assert!(checked > 40, "only {checked} names in the table");
+    // Every claim that was not deleted has its row.
+    let claims = |patent: &str| -> std::collections::BTreeSet<u32> {
+        let rows = table
+            .lines()
+            .filter_map(|row| row.strip_prefix(&format!("//! | {patent} ")));
+        rows.flat_map(|row| row.split(" |").next().unwrap_or_default().split(", "))
+            .map(|number| number.parse().unwrap())
+            .collect()
+    };
+    let deleted = [4, 8, 14, 18];
+    assert_eq!(
+        claims("A"),
+        (1..=22).filter(|claim| !deleted.contains(claim)).collect()
+    );
+    assert_eq!(claims("B"), (1..=20).collect());
 }

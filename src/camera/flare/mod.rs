@@ -7,29 +7,36 @@
 //! ```
 //! Brightness is in proportion to the sun's: see `ghost`. What it may cost: `quality`.
 //!
-//! What the two patents ask for, where it is, and the test that holds it. Numbers of claims are those of the United States
-//! members of the family: A = US 9,595,132 (of KR 10-1465658), B = US 10,074,195 (of KR 10-1658883); rows without a number are
-//! methods of their descriptions and of Lee & Eisemann 2013.
+//! What the two patents ask for, where it is, and the test that holds it. A = KR 10-1465658 (22 claims, of which 4, 8, 14 and 18 were
+//! deleted; 13 to 22 are the apparatus of 1 to 12), B = KR 10-1658883 (20 claims; 12 to 20 are the apparatus of 1 to 11); rows without a
+//! number are methods of their descriptions and of Lee & Eisemann 2013.
 //!
 //! | claim | what | function | test |
 //! |---|---|---|---|
-//! | A 1 | changes of a light's path at lenses to first order, as a product of matrices; from them positions on the sensor | `paraxial::{translation, refraction, reflection}`, `Paraxial::matrices`, `LinearGhost::sensor` | `matrices_are_the_derivative_of_the_exact_trace`, `the_literal_inverse_is_the_wrong_sign` |
-//! | A 2 | from radii and refractive indices | `Paraxial::new` | `focal_lengths` |
-//! | A 3 | in the order in which the light meets the surfaces | `path::path` | `every_ray_of_the_committed_independent_trace` |
-//! | A 4 | reflections among them | `path::ghosts` | `ghosts_that_cross_the_stop_once` |
+//! | A 1, 13 | from radii or refractive indices the change of a light's path at each lens, from it positions on the sensor | `Paraxial::new`, `LinearGhost::sensor` | `matrices_are_the_derivative_of_the_exact_trace`, `focal_lengths` |
+//! | A 2 | the changes as matrices | `paraxial::{translation, refraction, reflection}` | `the_literal_inverse_is_the_wrong_sign` |
+//! | A 3 | to first order about the axis | `Paraxial::matrices` | `matrices_are_the_derivative_of_the_exact_trace` |
+//! | A 5, 15 | their product in the order in which the light meets the surfaces | `path::path` | `every_ray_of_the_committed_independent_trace` |
+//! | A 6, 16 | reflections among them | `path::ghosts`, `reflection_backward` | `ghosts_that_cross_the_stop_once` |
+//! | A 7, 17 | the size of a sprite from positions on the sensor | `quad::quad` | `each_mode_comes_near_dense_exact_rays` |
+//! | A 9, 19 | from the ray through the centre of the area where light comes in and the farthest one | `quad::two_rays` | `the_centre_and_the_farthest_ray_place_a_ghost`, `two_rays_draw_what_four_do` |
+//! | A 10, 20 | brightness by the ratio of entrance to sensor area | `FlareSource::radiance` | `a_ghost_keeps_its_light` |
+//! | A 11, 21 | entrance cut to the lens barrel and the effective pupil | `LinearGhost::new` | `the_effective_pupil_changes_nothing_but_the_work` |
+//! | A 12, 22 | a flare in the shape of the iris | `Aperture::mask`, `shaders/camera/ghost.wgsl` | `a_ghost_has_the_shape_of_the_iris` |
 //! | | split at the stop, Mf = Ms Ma | `PathMatrices` | `every_ray_of_the_independent_trace_of_the_heliar` |
-//! | | four entrance points carried to the sensor as a quad | `quad::quad` | `each_mode_comes_near_dense_exact_rays` |
-//! | | the same from two rays | `quad::two_rays` | `two_rays_draw_what_four_do` |
-//! | | the aperture as a texture, looked up through Ma | `Aperture::mask`, `shaders/camera/ghost.wgsl` | `a_ghost_keeps_its_light` |
-//! | | entrance cut to the lens barrel and the effective pupil | `LinearGhost::new` | `the_effective_pupil_changes_nothing_but_the_work` |
-//! | | brightness by the ratio of entrance to sensor area, coatings, colours | `FlareSource::radiance`, `lens::reflectance`, `spectrum` | `a_ghost_keeps_its_light`, `reflectance_agrees_with_an_independent_transfer_matrix`, `a_spectrum_adds_up_to_white` |
-//! | B 1 | nonlinear patterns of ghosts, found, made beforehand over the angle from the axis, kept in a table, and drawn with linear ones | `nonlinearity`, `FlareTable::bake`, `flare_mesh` | `the_table_comes_near_dense_exact_rays` |
-//! | B 2 | patterns out of images taken at known angles | `table_from_photos`, `ImageTable` | `tables_of_images_give_what_was_recorded` |
-//! | B 3 | at evaluation, the linear part or not, as the table says | `ImageTable::with_linear`, `TableFile::at` | the same |
-//! | B 4 | rotated about the axis with the light, and blended with the linear part | `FlareSource::rotated`, `EvaluatedImage::rotation`, `Blend` | the same, `blends_pass_from_linear_to_nonlinear` |
-//! | | blends by addition, interpolation and alpha | `blend::fractions`, `FlareEffect` | `blends_pass_from_linear_to_nonlinear` |
-//! | | size and brightness fitted to the linear ghosts | `blend::fitted` | `nonlinear_ghosts_can_be_fitted_to_linear_ones` |
-//! | | a table over two angles, compressed | `bake_images`, `write_table` | `tables_of_images_give_what_was_recorded` |
+//! | | coatings, colours | `lens::reflectance`, `spectrum` | `reflectance_agrees_with_an_independent_transfer_matrix`, `a_spectrum_adds_up_to_white` |
+//! | B 1, 12 | nonlinear patterns, found and made beforehand by the light's position, and blended with linear ones | `nonlinearity`, `FlareTable::bake`, `flare_mesh` | `the_table_comes_near_dense_exact_rays`, `tables_hold_for_other_lenses` |
+//! | B 2, 13, 15 | ghosts found, the angle varied, kept in a look-up table | `single_crossing_ghosts`, `TabledGhost` | `tables_hold_for_other_lenses` |
+//! | B 3, 16 | patterns out of photos (frames of a video as photos, with their angles) | `table_from_photos`, `ImageTable` | `tables_of_images_give_what_was_recorded` |
+//! | B 4, 17 | at evaluation, the linear part or not, as the table says | `ImageTable::with_linear`, `TableFile::at` | `tables_of_images_give_what_was_recorded` |
+//! | B 5, 18 | picked by the angle, rotated about the axis with the light, and blended with the linear part | `FlareSource::rotated`, `EvaluatedImage::rotation`, `Blend` | `patterns_turn_with_the_light` |
+//! | B 6 | size and brightness fitted to the linear ghosts | `blend::fitted` | `nonlinear_ghosts_can_be_fitted_to_linear_ones` |
+//! | B 7 | blended by addition | `blend::fractions`, `Blend` | `each_mode_comes_near_dense_exact_rays` |
+//! | B 8, 9 | by interpolation, by alpha | `blend::fractions`, `FlareEffect` | `blends_pass_from_linear_to_nonlinear` |
+//! | B 10, 19 | photographed patterns alone, without linear ones | `TableFile::at` | `patterns_turn_with_the_light` |
+//! | B 11 | a table over two angles, compressed, in its file | `bake_images`, `write_table` | `patterns_turn_with_the_light` |
+//! | B 14, 20 | traced and photographed patterns in one table: not there; a `TableFile` holds the one or the other | | |
+//! | | the light's disc | `Softness`, `SoftPlan` | `the_suns_ghosts_are_the_mean_of_its_points`, `softening_keeps_a_ghosts_light` |
 
 mod aperture;
 mod draw;

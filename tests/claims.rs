@@ -1,0 +1,269 @@
+//! Claims of the two patents that no other test holds: KR 10-1465658 (9 and 19, 12 and 22) and KR 10-1658883 (5 and 18, 10, 11).
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
+
+use glam::DVec2;
+use rilievo::camera::flare::{
+    Aperture, FlareImage, FlareImager, FlareLight, FlareMode, FlareParameters, FlareRequest, FlareSource,
+    FlareTable, GhostParameters, ImageKnots, Quality, TableFile, Tracing, bake_images, flare_mesh,
+    open_table, table_from_photos, write_table,
+};
+use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
+use rilievo::camera::{Ghost, Paraxial, single_crossing_ghosts, srgb};
+use rilievo::gpu::Gpu;
+use rilievo::output::write_png;
+
+const SIZE: [u32; 2] = [240, 240];
+const CIRCLE: Aperture = Aperture {
+    blades: 0,
+    rounding: 0.0,
+    rotation: 0.0,
+    dirt: 0,
+};
+
+fn lens(name: &str) -> Arc<Lens> {
+    Arc::new(built_in(name).unwrap().unwrap())
+}
+
+fn ghosts(mode: FlareMode, only: Option<Ghost>) -> GhostParameters {
+    GhostParameters {
+        mode,
+        only,
+        ..Quality::Medium.preset().ghosts()
+    }
+}
+
+/// A square part of the sensor, a point of light.
+fn request(lens: &Arc<Lens>, ghosts: GhostParameters, aperture: Aperture, half_mm: f64) -> FlareRequest {
+    FlareRequest {
+        lens: Arc::clone(lens),
+        f_number: 8.0,
+        aperture,
+        ghosts: Some(ghosts),
+        starburst: None,
+        table: None,
+        light: FlareLight::point(0.0, 0.0),
+        image_half_mm: [half_mm; 2],
+    }
+}
+
+fn light_of(image: &FlareImage) -> f64 {
+    image.radiance.iter().map(|rgb| f64::from(rgb[1])).sum()
+}
+
+/// KR 10-1465658, claims 9 and 19: the ray through the centre of the area where light comes in and the one farthest from it tell a ghost's
+/// place and size.
+#[test]
+fn the_centre_and_the_farthest_ray_place_a_ghost() {
+    let lens = lens("angenieux");
+    let (angle, f_number) = (0.05, 8.0);
+    let d_line = Paraxial::new(&lens, D_LINE_UM, None);
+    let stop_mm = d_line.stop_radius(f_number);
+    let paraxial = Paraxial::new(&lens, 0.51, Some(d_line.sensor_gap_mm()));
+    let mut checked = 0;
+    for ghost in single_crossing_ghosts(&lens) {
+        let matrices = paraxial.matrices(Some(ghost));
+        let [a0, a1, f0, f1] = [
+            matrices.ma.x_axis.x,
+            matrices.ma.y_axis.x,
+            matrices.mf.x_axis.x,
+            matrices.mf.y_axis.x,
+        ];
+        let (slope, pupil_mm) = (f64::tan(angle), stop_mm / a0.abs());
+        let centre_mm = -a1 / a0 * slope;
+        // Pupils that the front does not cut.
+        if centre_mm.abs() + pupil_mm > lens.clear_radius(0) {
+            continue;
+        }
+        let mesh = flare_mesh(&FlareParameters {
+            lens: &lens,
+            source: FlareSource {
+                angle,
+                azimuth: 0.0,
+                f_number,
+                angular_radius: 0.0,
+            },
+            ghosts: ghosts(FlareMode::TwoRays, Some(ghost)),
+            table: None,
+            tracing: Tracing::Cpu,
+        })
+        .unwrap();
+        let green: Vec<DVec2> = mesh
+            .added
+            .iter()
+            .filter(|vertex| vertex.radiance[1] > 0.0)
+            .map(|vertex| glam::Vec2::from_array(vertex.sensor_mm).as_dvec2())
+            .collect();
+        let (min, max) = green
+            .iter()
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), at| {
+                (min.min(*at), max.max(*at))
+            });
+        // By hand: x = Mf11 r + Mf12 tan a at the pupil's centre, and half the size Mf11 times the pupil's radius.
+        let place = DVec2::new(f0 * centre_mm + f1 * slope, 0.0);
+        let radius = f0.abs() * pupil_mm;
+        assert!(
+            (0.5 * (min + max)).distance(place) < 1e-3 * (1.0 + place.length()),
+            "{ghost:?}"
+        );
+        let half = 0.5 * (max - min);
+        assert!(
+            (half - radius).abs().max_element() < 1e-3 * (1.0 + radius),
+            "{ghost:?}: {half} and {radius}"
+        );
+        checked += 1;
+    }
+    assert!(checked > 15, "only {checked}");
+}
+
+/// KR 10-1465658, claims 12 and 22: a ghost has the iris's shape, upside down where its image is, and the iris's part of a round one's light.
+#[test]
+fn a_ghost_has_the_shape_of_the_iris() {
+    let gpu = Gpu::open().unwrap();
+    let mut imager = FlareImager::new(&gpu);
+    let lens = lens("angenieux");
+    let d_line = Paraxial::new(&lens, D_LINE_UM, None);
+    let paraxial = Paraxial::new(&lens, 0.51, Some(d_line.sensor_gap_mm()));
+    let iris = Aperture {
+        blades: 5,
+        rounding: 0.0,
+        rotation: 0.3,
+        dirt: 0,
+    };
+    let mut checked = [0, 0];
+    for ghost in single_crossing_ghosts(&lens) {
+        let matrices = paraxial.matrices(Some(ghost));
+        let pupil_mm = d_line.stop_radius(8.0) / matrices.ma.x_axis.x.abs();
+        let radius_mm = matrices.mf.x_axis.x.abs() * pupil_mm;
+        if pupil_mm > lens.clear_radius(0) || !(2.0..20.0).contains(&radius_mm) {
+            continue;
+        }
+        let half_mm = 1.3 * radius_mm;
+        let mut drawn = |aperture| {
+            let request = request(&lens, ghosts(FlareMode::Paraxial, Some(ghost)), aperture, half_mm);
+            imager.draw(&request, SIZE).unwrap()
+        };
+        let (round, blades) = (drawn(CIRCLE), drawn(iris));
+        let part = light_of(&blades) / light_of(&round);
+        let expected = 5.0 / TAU * (TAU / 5.0).sin();
+        assert!(
+            (part / expected - 1.0).abs() < 0.02,
+            "{ghost:?}: {part} and {expected}"
+        );
+        // Upside down where the sensor's image of the stop is.
+        let sign = -(matrices.mf.x_axis.x / matrices.ma.x_axis.x).signum();
+        let level = 0.5 * blades.radiance[120 * 240 + 120][1];
+        for k in 0..40 {
+            let direction = DVec2::from_angle(TAU * f64::from(k) / 40.0);
+            let is_lit = |r: f64| {
+                let at = DVec2::splat(120.0) + r * 120.0 / half_mm * DVec2::new(direction.x, -direction.y);
+                blades.radiance[at.y as usize * 240 + at.x as usize][1] > level
+            };
+            let edge_mm = radius_mm * iris.edge(sign * direction);
+            let pixel_mm = 2.0 * half_mm / 240.0;
+            assert!(
+                is_lit(edge_mm - 2.0 * pixel_mm) && !is_lit(edge_mm + 2.0 * pixel_mm),
+                "{ghost:?} {k}"
+            );
+        }
+        checked[usize::from(sign > 0.0)] += 1;
+    }
+    assert!(checked[0] > 0 && checked[1] > 0, "{checked:?}");
+}
+
+/// An image turned by a quarter, by its pixels.
+fn quarter(radiance: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let size = SIZE[0] as usize;
+    // Rows run downwards: what was right is now on top.
+    (0..size * size)
+        .map(|k| {
+            let (column, row) = (k % size, k / size);
+            radiance[column * size + (size - 1 - row)]
+        })
+        .collect()
+}
+
+/// KR 10-1658883, claims 5 and 18 (the pattern of an angle, rotated about the axis by the light's azimuth), 10 and 11 (tables of photos, and
+/// of images over two angles, out of their files).
+#[test]
+fn patterns_turn_with_the_light() {
+    let gpu = Gpu::open().unwrap();
+    let mut imager = FlareImager::new(&gpu);
+    let lens = lens("tessar");
+    let folder = tempfile::tempdir().unwrap();
+    let half_mm = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
+    let base = request(&lens, ghosts(FlareMode::Blended, None), CIRCLE, half_mm);
+    let at = |azimuth: f64, table: Option<&Arc<TableFile>>| FlareRequest {
+        light: FlareLight::point(0.17, azimuth),
+        table: table.cloned(),
+        ..base.clone()
+    };
+    let stored = |table: TableFile, name: &str| {
+        let path = folder.path().join(name);
+        write_table(&path, &lens, table.clone()).unwrap();
+        let opened = open_table(&path, &lens, 8.0).unwrap();
+        assert!(opened == table, "{name}");
+        Arc::new(opened)
+    };
+    let rays = stored(
+        TableFile::Rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap()),
+        "rays",
+    );
+    let knots = ImageKnots {
+        max_angle: 0.34,
+        angles: 3,
+        azimuths: 4,
+        size: 240,
+    };
+    let images = stored(
+        TableFile::Images(bake_images(&mut imager, &base, knots).unwrap()),
+        "images",
+    );
+    let shot = imager.draw(&at(0.0, None), SIZE).unwrap();
+    let peak = shot
+        .radiance
+        .iter()
+        .flatten()
+        .fold(0.0_f32, |most, &v| most.max(v));
+    let photo: Vec<u8> = shot
+        .radiance
+        .iter()
+        .flat_map(|rgb| {
+            let [r, g, b] = rgb.map(|v| srgb(v / peak));
+            [r, g, b, 255]
+        })
+        .collect();
+    write_png(&folder.path().join("a.png"), SIZE, &photo).unwrap();
+    let list = folder.path().join("list.csv");
+    let degrees = 0.17_f64.to_degrees();
+    std::fs::write(
+        &list,
+        format!(
+            "file,theta_deg\na.png,{}\na.png,{}\n",
+            degrees - 1.0,
+            degrees + 1.0
+        ),
+    )
+    .unwrap();
+    let photos = table_from_photos(&list, None, 2.0 * half_mm, peak, false).unwrap();
+    let photos = stored(TableFile::Images(photos), "photos");
+    for (name, table) in [("rays", &rays), ("images", &images), ("photos", &photos)] {
+        let first = imager.draw(&at(0.0, Some(table)), SIZE).unwrap();
+        let turned = imager.draw(&at(FRAC_PI_2, Some(table)), SIZE).unwrap();
+        let expected = quarter(&first.radiance);
+        let off = |a: &[[f32; 3]], b: &[[f32; 3]]| {
+            let pairs = a.iter().flatten().zip(b.iter().flatten());
+            let sum: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
+            sum / a.iter().flatten().map(|&v| f64::from(v)).sum::<f64>()
+        };
+        let (turned_off, still_off) = (off(&expected, &turned.radiance), off(&expected, &first.radiance));
+        println!("{name}: {turned_off:.4} off when turned, {still_off:.3} if not");
+        assert!(turned_off < 0.04, "{name}: {turned_off}");
+        assert!(still_off > 0.2, "{name}: the pattern is round");
+        // Half a turn about the axis is a mirror image of the light's side.
+        let half = imager.draw(&at(PI, Some(table)), SIZE).unwrap();
+        assert!(off(&quarter(&expected), &half.radiance) < 0.04, "{name}");
+    }
+}
