@@ -12,5 +12,18 @@ fn main() -> std::process::ExitCode {
         // SAFETY: no other thread runs yet.
         unsafe { std::env::set_var("PROJ_NETWORK", "OFF") };
     }
+    // GDAL asks servers only for a user who names an address: a file from a stranger may name some, too.
+    let names_address = |argument: std::ffi::OsString| {
+        let argument = argument.to_string_lossy();
+        argument.contains("://") || argument.starts_with("/vsi")
+    };
+    if !std::env::args_os().any(names_address) {
+        for (name, value) in rilievo::source::OFFLINE {
+            if std::env::var_os(name).is_none() {
+                // SAFETY: no other thread runs yet.
+                unsafe { std::env::set_var(name, value) };
+            }
+        }
+    }
     rilievo::cli::main()
 }

@@ -1,7 +1,10 @@
 //! Footprints to a building map: every texel an outline crosses gets the outline's edges, every other
 //! texel inside gets the highest roof.
 
-use geo::LineString;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use geo::{CoordsIter, LineString};
 use thiserror::Error;
 
 use super::cell::{Full, INDEX_LIMIT};
@@ -11,7 +14,7 @@ use crate::space::Bounds;
 
 /// A tile holds more outline than a code can index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("more than 16 million outline vertices in one tile")]
+#[error("more outlines lie over one another in one tile than can be kept")]
 pub struct MapTooLarge;
 
 /// The codes of all texels of a tile, before the empty ones are left out.
@@ -55,10 +58,42 @@ pub fn rasterise(tile: &Bounds, side: usize, buildings: &[&Building]) -> Result<
         full: vec![u32::MAX; side * side],
         roofs: Vec::new(),
     };
-    for building in buildings {
+    for building in without_hidden(buildings) {
         work.add(building);
+        if work.touches.len() + work.inside.len() > MAX_TOUCHES {
+            return Err(MapTooLarge);
+        }
     }
     work.finish()
+}
+
+/// Most meetings of outlines and texels in a tile: some hundred outlines over every texel.
+const MAX_TOUCHES: usize = 1 << 25;
+
+/// Of buildings with the same outline the highest, of equally high ones the first: the others are hidden in it.
+fn without_hidden<'a>(buildings: &[&'a Building]) -> Vec<&'a Building> {
+    let mut by_outline: HashMap<u64, Vec<usize>> = HashMap::new();
+    let mut kept: Vec<&Building> = Vec::new();
+    for &building in buildings {
+        let mut hasher = DefaultHasher::new();
+        for at in building.outline.coords_iter() {
+            [at.x.to_bits(), at.y.to_bits()].hash(&mut hasher);
+        }
+        let alike = by_outline.entry(hasher.finish()).or_default();
+        let same = alike
+            .iter()
+            .find(|&&index| kept[index].outline == building.outline);
+        match same {
+            Some(&index) if building.roof_m > kept[index].roof_m => kept[index] = building,
+            Some(_) => {}
+            None => {
+                alike.push(kept.len());
+                kept.push(building);
+            }
+        }
+    }
+    kept.sort_by_key(|building| building.fid);
+    kept
 }
 
 struct Work {

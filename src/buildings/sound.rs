@@ -8,19 +8,25 @@ use crate::material::BuildingMaterial;
 /// Farther from sea level than any ground or roof that an import lets in, metres.
 const MAX_ELEVATION_M: f32 = 100_000.0;
 
+/// Most codes in a texel's list.
+const MAX_LIST: usize = 1 << 16;
+
 impl BuildingMap {
     /// True when every index in the map points inside it: a damaged tile must not reach the shader.
     pub fn is_sound(&self) -> bool {
         self.side.is_power_of_two()
             && self.side <= Self::MAX_SIDE
             && self.has_sound_index()
+            && self.has_lists_of_its_size()
             && self
                 .occupied_blocks()
                 .all(|(_, codes)| codes.iter().all(|&code| self.is_sound_cell(code)))
-            && self
-                .vertices
-                .iter()
-                .all(|vertex| (vertex.building as usize) < self.roofs.len() && vertex.bays.is_finite())
+            && self.vertices.iter().all(|vertex| {
+                (vertex.building as usize) < self.roofs.len()
+                    && vertex.bays.is_finite()
+                    && vertex.x_m.is_finite()
+                    && vertex.y_m.is_finite()
+            })
             && self
                 .roofs
                 .iter()
@@ -68,6 +74,25 @@ impl BuildingMap {
         self.words
             .get(entries.clone())
             .is_some_and(|entries| entries.iter().all(is_sound_entry))
+    }
+
+    /// Whether the lists that cells name are together no longer than the words: each is named once. Many cells that name one long list
+    /// would cost a reader and a ray their product.
+    fn has_lists_of_its_size(&self) -> bool {
+        let mut left = self.words.len();
+        for (_, codes) in self.occupied_blocks() {
+            for &code in &codes {
+                let CellKind::List(place) = CellKind::from_code(code) else {
+                    continue;
+                };
+                let length = 1 + self.word(place as usize) as usize;
+                match left.checked_sub(length) {
+                    Some(rest) if length <= 1 + MAX_LIST => left = rest,
+                    _ => return false,
+                }
+            }
+        }
+        true
     }
 
     fn is_sound_cell(&self, code: u32) -> bool {

@@ -39,6 +39,8 @@ pub struct Lattice {
     pub step_m: f64,
     /// Level of the tile.
     pub level: u32,
+    /// West and north border of the tile, metres.
+    pub corner: [f64; 2],
 }
 
 fn flipped<T: Copy>(rows: &[T], width: usize) -> Vec<T> {
@@ -82,15 +84,23 @@ pub fn read_heights(path: &Path, lattice: Lattice) -> Result<HeightTile, CityErr
 }
 
 fn heights_of(reader: &mut PageReader, path: &Path, lattice: Lattice) -> Result<HeightTile, CityError> {
-    let Lattice { side, step_m, level } = lattice;
+    let Lattice {
+        side,
+        step_m,
+        level,
+        corner: [west, north],
+    } = lattice;
     let (heights, _) = reader.floats([Some(side), Some(side)])?;
+    let level_step_m = step_m * f64::from(1_u32 << level);
+    let half = 0.5 * level_step_m;
+    reader.require_place([west - half, north + half, level_step_m])?;
     if heights.len() != side * side {
         return Err(damaged(path, "a page has more than one band".to_owned()));
     }
     Ok(HeightTile {
         side,
         level,
-        step_m: step_m * f64::from(1_u32 << level),
+        step_m: level_step_m,
         heights: flipped(&heights, side),
     })
 }
@@ -103,6 +113,10 @@ pub fn read_terrain(path: &Path, lattice: Lattice) -> Result<TerrainTile, CityEr
     let mut meshes = Vec::new();
     for _ in mesh_errors(lattice.level) {
         let (indices, _) = reader.words([Some(3), None])?;
+        // No more than the regular grid over the same positions.
+        if indices.len() > 6 * positions {
+            return Err(damaged(path, "it has more triangles than its grid".to_owned()));
+        }
         if indices.iter().any(|&index| index as usize >= positions) {
             return Err(damaged(
                 path,
@@ -188,16 +202,24 @@ pub struct TexelGrid {
     pub texel_m: f64,
     /// Level of the tile.
     pub level: u32,
+    /// West and north border of the tile, metres.
+    pub corner: [f64; 2],
 }
 
 /// Reads a building-map tile.
 pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, CityError> {
-    let TexelGrid { side, level, .. } = texels;
+    let TexelGrid {
+        side,
+        level,
+        corner: [west, north],
+        ..
+    } = texels;
     let texel_m = texels.texel_m * f64::from(1_u32 << level);
     let mut reader = PageReader::open(path)?;
     if level == 0 {
         // Roof elevations and ids follow from the rest.
         reader.skip([Some(side), Some(side)])?;
+        reader.require_place([west, north, f64::from(texel_m as f32)])?;
         reader.skip([Some(side), Some(side)])?;
     }
     let mut table = |columns: usize| Ok::<_, CityError>(reader.words([Some(columns), None])?.0);
@@ -275,9 +297,11 @@ pub fn write_imagery(
     write(path, &[page], keys)
 }
 
-/// Reads an orthophoto tile of `side` pixels.
-pub fn read_imagery(path: &Path, side: usize) -> Result<ImageryTile, CityError> {
-    let rgba = PageReader::open(path)?.rgba([Some(side), Some(side)])?;
+/// Reads an orthophoto tile of `side` pixels that spans some bounds.
+pub fn read_imagery(path: &Path, side: usize, bounds: &Bounds) -> Result<ImageryTile, CityError> {
+    let mut reader = PageReader::open(path)?;
+    let rgba = reader.rgba([Some(side), Some(side)])?;
+    reader.require_place([bounds.west, bounds.north, bounds.width() / side as f64])?;
     Ok(ImageryTile { side, rgba })
 }
 
@@ -311,6 +335,11 @@ pub fn read_terrain_errors(path: &Path, grid: &TileGrid) -> Result<Vec<Vec<f32>>
         .map(|level| {
             let [columns, rows] = grid.counts(level);
             let (errors, _) = reader.floats([Some(columns), Some(rows)])?;
+            if errors.len() != columns * rows {
+                return Err(damaged(path, "a page has more than one band".to_owned()));
+            }
+            let tile_m = grid.level_tile_m(level);
+            reader.require_place([grid.west, grid.south + tile_m * rows as f64, tile_m])?;
             Ok(flipped(&errors, columns))
         })
         .collect()

@@ -57,6 +57,20 @@ pub enum CityError {
         /// The folder.
         path: PathBuf,
     },
+    /// Another import makes the same city.
+    #[error("{}: another import{} makes this city", path.display(), Self::process(process))]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+        /// Number of its process; may be empty.
+        process: String,
+    },
+    /// A source changed while it was read.
+    #[error("{}: changed while it was imported; run the import again", path.display())]
+    SourceChanged {
+        /// The source.
+        path: PathBuf,
+    },
     /// The city to make has no name.
     #[error("{}: is no folder name", path.display())]
     NoFolderName {
@@ -196,6 +210,13 @@ pub enum CityError {
 }
 
 impl CityError {
+    fn process(number: &str) -> String {
+        match number {
+            "" => String::new(),
+            number => format!(" (process {number})"),
+        }
+    }
+
     /// Wraps an I/O error with its file.
     pub fn file(path: &std::path::Path) -> impl FnOnce(std::io::Error) -> Self + use<> {
         let path = path.to_owned();

@@ -11,6 +11,7 @@ use tiff::encoder::{Compression, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 
 use super::CityError;
+use super::city_files::open_plain;
 use crate::space::Crs;
 
 /// Pixel values of one page, row by row from the north.
@@ -135,6 +136,9 @@ where
     image.write_data(values)
 }
 
+/// Most bytes of a page, unpacked: no tile that an import makes has more.
+const MAX_PAGE_BYTES: usize = 1 << 26;
+
 /// Reads pages, one after the other, checking each against what the city expects.
 pub struct PageReader<'a> {
     path: &'a Path,
@@ -145,9 +149,9 @@ pub struct PageReader<'a> {
 impl<'a> PageReader<'a> {
     /// Opens a file.
     pub fn open(path: &'a Path) -> Result<Self, CityError> {
-        let file = File::open(path).map_err(CityError::file(path))?;
+        let file = open_plain(path)?;
         let mut limits = Limits::default();
-        limits.decoding_buffer_size = 1 << 28;
+        limits.decoding_buffer_size = MAX_PAGE_BYTES;
         let decoder = Decoder::new(BufReader::with_capacity(1 << 18, file))
             .map_err(|error| damaged(path, error.to_string()))?
             .with_limits(limits);
@@ -156,6 +160,31 @@ impl<'a> PageReader<'a> {
             decoder,
             first: true,
         })
+    }
+
+    /// Fails unless the page that was read last lies where it should: west and north border and side of a pixel, metres. A tile from
+    /// another place would be drawn here.
+    pub fn require_place(&mut self, [west, north, pixel_m]: [f64; 3]) -> Result<(), CityError> {
+        let mut tag = |tag| self.decoder.get_tag_f64_vec(tag).unwrap_or_default();
+        let (scale, tie) = (tag(Tag::ModelPixelScaleTag), tag(Tag::ModelTiepointTag));
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * pixel_m + 1e-12 * b.abs();
+        let is_here = scale.len() == 3
+            && tie.len() == 6
+            && [
+                (scale[0], pixel_m),
+                (scale[1], pixel_m),
+                (tie[3], west),
+                (tie[4], north),
+            ]
+            .into_iter()
+            .all(|(a, b)| near(a, b));
+        match is_here {
+            true => Ok(()),
+            false => Err(damaged(
+                self.path,
+                "its georeference is that of another place".to_owned(),
+            )),
+        }
     }
 
     /// The next page as f32.
@@ -210,6 +239,13 @@ impl<'a> PageReader<'a> {
             return Err(damaged(
                 path,
                 format!("a page is {width} x {height}, expected {size:?}"),
+            ));
+        }
+        // A pixel has four bytes.
+        if found[0].saturating_mul(found[1]) > MAX_PAGE_BYTES / 4 {
+            return Err(damaged(
+                path,
+                format!("a page of {width} x {height} is larger than any tile's"),
             ));
         }
         Ok(found)

@@ -80,6 +80,10 @@ impl GroundCache {
                     side: self.side,
                     step_m: self.step_m,
                     level: 0,
+                    corner: {
+                        let bounds = self.grid.tile_bounds(tile);
+                        [bounds.west, bounds.north]
+                    },
                 },
             )?)),
             false => None,

@@ -3,6 +3,7 @@
 use super::layer::Layer;
 use serde::{Deserialize, Serialize};
 
+use crate::buildings::BuildingMap;
 use crate::source::{FootprintReport, HeightRule};
 use crate::space::{Accuracy, Crs, Operation, Place, TileGrid};
 
@@ -70,6 +71,68 @@ pub struct Manifest {
     pub operations: Vec<OperationRecord>,
     /// What became of the footprints.
     pub footprints: FootprintReport,
+}
+
+/// Most terrain samples and imagery pixels along a tile's side: what an import makes at most.
+const MAX_TERRAIN_SIDE: usize = 1025;
+const MAX_IMAGERY_SIDE: usize = 1024;
+/// Fewest texels along a tile's side: a group of blocks.
+const MIN_TILE_TEXELS: usize = 16;
+/// Most tiles of a city's finest level.
+pub const MAX_TILES: u64 = 1_000_000;
+/// Most bytes of a building map that a manifest may tell of.
+const MAX_MAP_BYTES: u64 = 1 << 42;
+
+impl Manifest {
+    /// Reads the text of a `city.toml`; what it asks a reader for is bounded.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn from_text(text: &str) -> Result<Self, String> {
+        let manifest: Self =
+            toml::from_str(text).map_err(|error| format!("city.toml: {}", error.message()))?;
+        if manifest.format != FORMAT {
+            return Err(format!(
+                "its format is {}, this program reads {FORMAT}: import it again",
+                manifest.format
+            ));
+        }
+        if !manifest.is_sane() {
+            return Err("city.toml: its sizes are impossible".to_owned());
+        }
+        if !Crs::is_plain_definition(&manifest.crs) {
+            return Err("city.toml: its CRS is neither a code such as EPSG:25832 nor WKT".to_owned());
+        }
+        Ok(manifest)
+    }
+
+    /// Whether all sizes are such as an import makes.
+    fn is_sane(&self) -> bool {
+        let grid = &self.grid;
+        let tiles = u64::from(grid.columns) * u64::from(grid.rows);
+        self.tile_texels.is_power_of_two()
+            && (2..=MAX_TERRAIN_SIDE).contains(&self.terrain_side)
+            && self.imagery_side <= MAX_IMAGERY_SIDE
+            && (MIN_TILE_TEXELS..=BuildingMap::MAX_SIDE).contains(&self.tile_texels)
+            && [grid.west, grid.south].iter().all(|edge| edge.abs() < 1e9)
+            && (0.01..=1e4).contains(&self.texel_m)
+            && (self.texel_m * self.tile_texels as f64 / grid.tile_m - 1.0).abs() < 1e-6
+            && (self.terrain_step_m * (self.terrain_side - 1) as f64 / grid.tile_m - 1.0).abs() < 1e-6
+            && self.place.latitude_deg.is_finite()
+            && self.place.longitude_deg.is_finite()
+            && (1..=MAX_TILES).contains(&tiles)
+            && [self.terrain_tiles, self.building_tiles, self.imagery_tiles]
+                .iter()
+                .all(|&count| count <= tiles)
+            && self.terrain_tiles > 0
+            // A city of many places and hardly a tile is none.
+            && tiles <= 64 + 4096 * self.terrain_tiles
+            && self.building_map_bytes <= MAX_MAP_BYTES
+            && self.triangle_bytes <= MAX_MAP_BYTES
+            && (1e-6..=1e6).contains(&self.terrain_error_m)
+            && (0.0..=1e5).contains(&self.default_height_m)
+            && self.levels == grid.levels()
+    }
 }
 
 /// One source file.

@@ -1,6 +1,7 @@
 //! The city folder: one folder is one city, every file a standard format.
 
 mod building_details;
+mod city_files;
 mod codec;
 mod durable;
 mod edit;
@@ -10,6 +11,7 @@ mod ground_cache;
 mod imagery_tile;
 mod layer;
 mod import;
+mod import_lock;
 mod manifest;
 mod raised_footprints;
 mod rules_file;

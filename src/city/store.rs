@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use super::city_files::{MAX_TEXT, is_tile_name, read_plain_text, require_plain_folders};
 use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
-use super::manifest::FORMAT;
 use super::rules_file::rules_from_city;
 use super::update::Pending;
 use super::{CityError, ImageryTile, Manifest, Tile};
@@ -22,11 +22,6 @@ pub struct City {
     pending: Option<Pending>,
 }
 
-/// Largest counts a manifest may ask a reader to allocate for.
-const MAX_TILE_SAMPLES: usize = 8192;
-/// Fewest texels along a tile's side: a group of blocks.
-const MIN_TILE_TEXELS: usize = 16;
-
 impl City {
     /// Opens a folder by its `city.toml`.
     pub fn open(folder: &Path) -> Result<Self, CityError> {
@@ -37,39 +32,11 @@ impl City {
         let pending = Pending::find(folder)?;
         let text = match pending.as_ref().and_then(Pending::manifest) {
             Some(text) => text,
-            None => std::fs::read_to_string(folder.join("city.toml"))
-                .map_err(|error| not_a_city(format!("city.toml: {error}")))?,
+            None => read_plain_text(&folder.join("city.toml"), MAX_TEXT)
+                .map_err(|error| not_a_city(error.to_string()))?,
         };
-        let manifest: Manifest =
-            toml::from_str(&text).map_err(|error| not_a_city(format!("city.toml: {error}")))?;
-        if manifest.format != FORMAT {
-            return Err(not_a_city(format!(
-                "its format is {}, this program reads {FORMAT}: import it again",
-                manifest.format
-            )));
-        }
-        let grid = &manifest.grid;
-        let sane = manifest.tile_texels.is_power_of_two()
-            && [manifest.tile_texels, manifest.terrain_side, manifest.imagery_side]
-                .iter()
-                .all(|&count| count <= MAX_TILE_SAMPLES)
-            && manifest.terrain_side >= 2
-            && (MIN_TILE_TEXELS..=BuildingMap::MAX_SIDE).contains(&manifest.tile_texels)
-            && grid.columns > 0
-            && grid.rows > 0
-            && [grid.west, grid.south].iter().all(|edge| edge.abs() < 1e9)
-            && (0.01..=1e4).contains(&manifest.texel_m)
-            && (manifest.texel_m * manifest.tile_texels as f64 / grid.tile_m - 1.0).abs() < 1e-6
-            && (manifest.terrain_step_m * (manifest.terrain_side - 1) as f64 / grid.tile_m - 1.0).abs()
-                < 1e-6
-            && manifest.place.latitude_deg.is_finite()
-            && manifest.place.longitude_deg.is_finite()
-            && grid.columns.max(grid.rows) <= 1 << 16
-            && u64::from(grid.columns) * u64::from(grid.rows) <= 1 << 26
-            && manifest.levels == grid.levels();
-        if !sane {
-            return Err(not_a_city("city.toml: its sizes are impossible".to_owned()));
-        }
+        let manifest = Manifest::from_text(&text).map_err(not_a_city)?;
+        require_plain_folders(folder, manifest.levels)?;
         Ok(Self {
             folder: folder.to_owned(),
             manifest,
@@ -169,8 +136,7 @@ impl City {
     /// # Errors
     /// When some are gone.
     pub fn require_tiles(&self, layer: Layer) -> Result<(), CityError> {
-        let tiles = self.manifest.grid.tiles();
-        let found = tiles.filter(|&tile| self.has(layer, tile)).count() as u64;
+        let found = self.count_tiles(layer)?;
         let expected = self.manifest.tile_count(layer);
         if found == expected {
             return Ok(());
@@ -179,6 +145,26 @@ impl City {
             path: self.folder.join(layer.name()),
             why: format!("{found} tiles of {expected} are there"),
         })
+    }
+
+    /// Tiles of the finest level that have a layer.
+    fn count_tiles(&self, layer: Layer) -> Result<u64, CityError> {
+        if self.pending.is_some() {
+            let tiles = self.manifest.grid.tiles();
+            return Ok(tiles.filter(|&tile| self.has(layer, tile)).count() as u64);
+        }
+        if layer == Layer::Imagery && self.manifest.imagery_side == 0 {
+            return Ok(0);
+        }
+        let folder = layer.level_path(&self.folder, 0);
+        let mut found = 0;
+        // What is there, not what might be: a grid can have many more places than tiles.
+        for entry in std::fs::read_dir(&folder).map_err(CityError::file(&folder))? {
+            let entry = entry.map_err(CityError::file(&folder))?;
+            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+            found += u64::from(is_file && is_tile_name(&entry.file_name().to_string_lossy()));
+        }
+        Ok(found)
     }
 
     /// True when the tile has this layer.
@@ -193,12 +179,19 @@ impl City {
         Some((data.modified().ok()?, data.len()))
     }
 
+    /// West and north border of a tile, metres.
+    fn corner(&self, tile: TileId) -> [f64; 2] {
+        let bounds = self.manifest.grid.tile_bounds(tile);
+        [bounds.west, bounds.north]
+    }
+
     /// Ground of a tile, none where the city has none.
     pub fn terrain(&self, tile: TileId) -> Result<Option<TerrainTile>, CityError> {
         let lattice = Lattice {
             side: self.manifest.terrain_side,
             step_m: self.manifest.terrain_step_m,
             level: tile.level,
+            corner: self.corner(tile),
         };
         self.existing(Layer::Terrain, tile)
             .map(|path| codec::read_terrain(&path, lattice))
@@ -211,6 +204,7 @@ impl City {
             side: self.manifest.tile_texels,
             texel_m: self.manifest.texel_m,
             level: tile.level,
+            corner: self.corner(tile),
         };
         let read = |path: &Path| codec::read_buildings(path, texels);
         let Some(path) = self.existing(Layer::Buildings, tile) else {
@@ -236,7 +230,13 @@ impl City {
     pub fn imagery(&self, tile: TileId) -> Result<Option<ImageryTile>, CityError> {
         self.existing(Layer::Imagery, tile)
             .filter(|_| self.manifest.imagery_side > 0)
-            .map(|path| codec::read_imagery(&path, self.manifest.imagery_side))
+            .map(|path| {
+                codec::read_imagery(
+                    &path,
+                    self.manifest.imagery_side,
+                    &self.manifest.grid.tile_bounds(tile),
+                )
+            })
             .transpose()
     }
 

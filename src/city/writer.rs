@@ -28,19 +28,26 @@ impl TileWriter<'_> {
         layer.tile_path(self.folder, id)
     }
 
+    /// West and north border of a tile, metres.
+    pub fn corner(&self, id: TileId) -> [f64; 2] {
+        let bounds = self.grid.tile_bounds(id);
+        [bounds.west, bounds.north]
+    }
+
     /// Terrain that is there already; none where it is not or cannot be read, and is to be made again.
     pub fn terrain(&self, id: TileId) -> Option<TerrainTile> {
         let lattice = Lattice {
             side: self.terrain_side,
             step_m: self.terrain_step_m,
             level: id.level,
+            corner: self.corner(id),
         };
         codec::read_terrain(&self.path(Layer::Terrain, id), lattice).ok()
     }
 
     /// An orthophoto of `side` pixels that is there already, as for [`Self::terrain`].
     pub fn imagery(&self, id: TileId, side: usize) -> Option<ImageryTile> {
-        codec::read_imagery(&self.path(Layer::Imagery, id), side).ok()
+        codec::read_imagery(&self.path(Layer::Imagery, id), side, &self.grid.tile_bounds(id)).ok()
     }
 
     /// Writes some layers of a tile. What is there already stays as it is: ground and orthophoto, which follow from the sources
@@ -67,6 +74,7 @@ impl TileWriter<'_> {
                 side: map.side,
                 texel_m: f64::from(map.texel_m) / f64::from(1_u32 << level),
                 level,
+                corner: self.corner(tile.id),
             };
             let known = codec::read_buildings(&path, texels);
             if known.ok().as_ref() != Some(map) {

@@ -63,6 +63,7 @@ fn for_city(error: &CityError) -> Option<String> {
             path.display()
         ),
         CityError::Occupied { .. } => "choose another --out or remove it yourself".to_owned(),
+        CityError::Busy { .. } => "wait until it has ended, or choose another --out".to_owned(),
         CityError::NoFolderName { .. } => "give --out a folder to make".to_owned(),
         CityError::Foreign { .. } => "move it elsewhere, or choose another --out".to_owned(),
         CityError::Edited { .. } => {
@@ -80,7 +81,9 @@ fn for_city(error: &CityError) -> Option<String> {
             "check the layer (--layer) and that it shows the same place as the terrain".to_owned()
         }
         CityError::TooManyTiles { .. } => "use larger texels (--texel) or a smaller --margin".to_owned(),
-        CityError::TileTooLarge { .. } => "use smaller texels (--texel)".to_owned(),
+        CityError::TileTooLarge { .. } => {
+            "remove outlines that are there many times, or use smaller texels (--texel)".to_owned()
+        }
         CityError::NoBuilding { .. } => "check the ids after --delete".to_owned(),
         CityError::ChangedAndDeleted { .. } => {
             "leave it out of the file of changes, or out of --delete".to_owned()
@@ -92,6 +95,7 @@ fn for_city(error: &CityError) -> Option<String> {
         | CityError::File { .. }
         | CityError::Tile { .. }
         | CityError::NoGround { .. }
+        | CityError::SourceChanged { .. }
         | CityError::EditedDataset { .. }
         | CityError::ImportedAnew { .. }
         | CityError::NoHeightField { .. }

@@ -140,13 +140,7 @@ fn film_key(args: &FilmArgs, city: &City, path: &FlightPath) -> String {
             args.exposure
         ),
         manifest.generation,
-        (
-            &manifest.name,
-            &manifest.grid,
-            &args.relief,
-            &args.camera,
-            &args.pool
-        ),
+        (manifest, &args.relief, &args.camera, &args.pool),
         path.keys,
     )
 }

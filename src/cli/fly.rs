@@ -10,7 +10,6 @@ use super::path_file::read_path;
 use super::pool_flags::PoolFlags;
 use crate::city::City;
 use crate::scene::{PoolOptions, TerrainMesh};
-use crate::source::silence_gdal;
 use crate::space::Pose;
 use crate::viewer::{Clock, ViewerOptions, run as run_viewer};
 
@@ -51,7 +50,6 @@ pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
     if let Some(path) = &args.journal {
         super::values::require_folder(path)?;
     }
-    silence_gdal();
     let files: Vec<PathBuf> = args.city.iter().filter(|path| path.is_file()).cloned().collect();
     let city = match args.city.as_slice() {
         [] => None,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{CommandError, import_report};
 use crate::city::{ImportOptions, PlanFiles, import};
-use crate::source::{HeightRule, silence_gdal};
+use crate::source::HeightRule;
 
 /// Flags of `import`.
 #[derive(Debug, clap::Args)]
@@ -91,7 +91,6 @@ pub struct ImportArgs {
 
 /// Imports and prints the report.
 pub fn run(args: ImportArgs) -> Result<(), CommandError> {
-    silence_gdal();
     let storey_height_m = args.storey_height;
     let height_rule = (args.height_field.map(|field| HeightRule::Height { field }))
         .or_else(|| {

@@ -73,6 +73,9 @@ pub struct FlareArgs {
     linear: Option<PathBuf>,
 }
 
+/// Most rays of a flare: a gigabyte of triangles.
+const MAX_RAYS: u64 = 24_000_000;
+
 /// Draws and writes.
 pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
     super::values::require_folder(&args.out)?;
@@ -111,6 +114,17 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         },
         ..preset.ghosts()
     };
+    let ghost_count = ghost.map_or_else(|| single_crossing_ghosts(&lens).len(), |_| 1);
+    let traced = ghost_count as u64 * ghosts.wavelengths as u64 * (ghosts.rays as u64).pow(2);
+    if traced > MAX_RAYS && ghosts.mode != FlareMode::Paraxial && ghosts.mode != FlareMode::TwoRays {
+        return Err(CommandError::Argument(format!(
+            "--rays {} with --wavelengths {}: {} million rays of {ghost_count} ghosts, more than {}; lower one of them",
+            ghosts.rays,
+            ghosts.wavelengths,
+            traced / 1_000_000,
+            MAX_RAYS / 1_000_000
+        )));
+    }
     let shows_sun = !(args.ghosts_only || args.sheet || ghost.is_some());
     let request = FlareRequest {
         f_number: args.f_number,

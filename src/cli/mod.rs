@@ -96,6 +96,7 @@ pub fn main() -> ExitCode {
         })
         .without_time()
         .init();
+    crate::source::silence_gdal();
     match run(args.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::CommandError;
 use crate::city::City;
 use crate::output::FlightPath;
-use crate::source::{read_track, silence_gdal};
+use crate::source::read_track;
 use crate::space::Crs;
 
 /// Reads a flight over a city.
@@ -19,7 +19,6 @@ pub fn read_path(path: &Path, city: &City) -> Result<FlightPath, CommandError> {
     if !matches!(ending.as_deref(), Some("gpx" | "kml" | "kmz")) {
         return Ok(FlightPath::read(path)?);
     }
-    silence_gdal();
     let crs = Crs::from_text(&city.manifest().crs).map_err(crate::city::CityError::from)?;
     let track = read_track(path, &crs).map_err(crate::city::CityError::from)?;
     let ground = city.ground();

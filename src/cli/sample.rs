@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use super::CommandError;
 use crate::sample::{write_region, write_sample};
-use crate::source::silence_gdal;
 
 /// Flags of `sample`.
 #[derive(Debug, clap::Args)]
@@ -33,7 +32,6 @@ fn area(text: &str) -> Result<f64, String> {
 
 /// Writes the files and says how to import them.
 pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
-    silence_gdal();
     let files = match args.buildings.zip(args.km2) {
         Some((buildings, km2)) => {
             let (files, written) =

@@ -6,7 +6,6 @@ use serde_json::json;
 
 use super::{CommandError, import_report};
 use crate::city::{UpdateOptions, UpdateReport, update};
-use crate::source::silence_gdal;
 
 /// Flags of `update`.
 #[derive(Debug, clap::Args)]
@@ -32,7 +31,6 @@ pub struct UpdateArgs {
 
 /// Updates and prints the report.
 pub fn run(args: UpdateArgs) -> Result<(), CommandError> {
-    silence_gdal();
     let begun = std::time::Instant::now();
     let report = update(&UpdateOptions {
         city: args.city,

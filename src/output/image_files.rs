@@ -113,6 +113,9 @@ pub fn write_radiance(path: &Path, size: [u32; 2], radiance: &[[f32; 3]]) -> Res
     write_tiff::<colortype::RGB32Float>(path, size, radiance.as_flattened())
 }
 
+/// Most pixels of a drawing.
+const MAX_DRAWING_PIXELS: u64 = 64_000_000;
+
 /// Writes a drawing as it is (.svg) or drawn out (.png), by the path's ending.
 pub fn write_drawing(path: &Path, svg: &str) -> Result<(), OutputError> {
     use resvg::{tiny_skia, usvg};
@@ -126,6 +129,13 @@ pub fn write_drawing(path: &Path, svg: &str) -> Result<(), OutputError> {
             let tree =
                 usvg::Tree::from_str(svg, &usvg::Options::default()).map_err(|why| error(why.to_string()))?;
             let size = tree.size().to_int_size();
+            if u64::from(size.width()) * u64::from(size.height()) > MAX_DRAWING_PIXELS {
+                return Err(error(format!(
+                    "the drawing would have {} x {} pixels; check its lengths",
+                    size.width(),
+                    size.height()
+                )));
+            }
             let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
                 .ok_or_else(|| error("the drawing has no size".to_owned()))?;
             resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());

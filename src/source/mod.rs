@@ -4,6 +4,7 @@
 
 mod crs_choice;
 mod error;
+mod files;
 mod footprint;
 mod height_rule;
 mod identify;
@@ -16,12 +17,13 @@ mod vector;
 pub use crs_choice::CrsChoice;
 use error::gdal_says;
 pub use error::{SourceError, SourceRole};
+pub use files::files_of;
 pub use footprint::{BuildingTraits, Footprint, HeightOrigin, RoofSpec};
 pub use height_rule::{HeightField, HeightReading, HeightRule};
 pub use identify::{SurveyFile, SurveyKind, identify};
 pub use listed::listed;
 pub use raster::{Dtm, DtmSampler, ImageryMosaic, SampleLattice, SteppedHeights};
-pub use spatial_reference::{gdal_reference, silence_gdal};
+pub use spatial_reference::{OFFLINE, gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FieldCount, FootprintChange, FootprintDataset, FootprintDatasetEditor,
     FootprintDatasetWriter, FootprintReport, FootprintSource, Outline, PlanFeature, PlanKind, Selection,

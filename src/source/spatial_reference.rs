@@ -6,6 +6,15 @@ use gdal::spatial_ref::{AxisMappingStrategy, SpatialRef};
 
 use crate::space::{Crs, CrsError};
 
+/// Settings by which GDAL asks no server, whatever a file tells it: the drivers of services, and files behind addresses.
+pub const OFFLINE: [(&str, &str); 2] = [
+    (
+        "GDAL_SKIP",
+        "WFS,OAPIF,OGCAPI,WMS,WMTS,WCS,HTTP,CSW,Carto,NGW,PLMOSAIC,PLSCENES,AmigoCloud,Elasticsearch,EEDA,EEDAI,DAAS,STACIT,STACTA,GNMDatabase",
+    ),
+    ("CPL_VSIL_CURL_ALLOWED_FILENAME", "none"),
+];
+
 /// Sends GDAL's and its PROJ's messages to the log instead of the terminal. Call before anything is read.
 pub fn silence_gdal() {
     gdal::config::set_error_handler(|class, number, message| {

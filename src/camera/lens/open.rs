@@ -26,7 +26,14 @@ pub fn open(name: &str) -> Result<Lens, LensError> {
         path: path.to_owned(),
         source,
     };
-    let size = std::fs::metadata(path).map_err(read)?.len();
+    let data = std::fs::metadata(path).map_err(read)?;
+    if !data.is_file() {
+        return Err(LensError::Syntax {
+            path: path.to_owned(),
+            what: "is no plain file; give a file with a lens prescription".to_owned(),
+        });
+    }
+    let size = data.len();
     if size > MAX_BYTES {
         return Err(LensError::Syntax {
             path: path.to_owned(),

@@ -2,6 +2,12 @@
 
 use super::{Coating, D_LINE_UM, Glass, LensError};
 
+/// Most films of a coating and coefficients of an asphere.
+const MAX_LAYERS: usize = 64;
+const MAX_TERMS: usize = 20;
+/// Largest length in a lens, millimetres: a hundred metres.
+const MAX_MM: f64 = 1e5;
+
 /// One surface, or the stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
@@ -89,7 +95,36 @@ impl Lens {
                 surfaces.len()
             )));
         }
+        if !film_mm.iter().all(|side| (0.1..=2000.0).contains(side)) {
+            return Err(unfit(format!(
+                "its film of {} x {} mm is none; give film_mm between 0.1 and 2000",
+                film_mm[0], film_mm[1]
+            )));
+        }
         for (number, surface) in (1..).zip(&surfaces) {
+            let layers = surface.coating.iter().flat_map(|coating| &coating.layers);
+            let is_film = |layer: &super::Layer| {
+                (0.5..10.0).contains(&layer.index) && (0.0..100.0).contains(&layer.thickness_um)
+            };
+            if !layers.clone().all(is_film) || layers.count() > MAX_LAYERS {
+                return Err(unfit(format!(
+                    "surface {number} has a coating of impossible films; give at most {MAX_LAYERS}, with indices between 0.5 and 10"
+                )));
+            }
+            if surface.aspheric.len() > MAX_TERMS {
+                return Err(unfit(format!(
+                    "surface {number} has more than {MAX_TERMS} aspheric coefficients"
+                )));
+            }
+            let sizes = [
+                surface.semi_diameter_mm.unwrap_or(1.0),
+                surface.thickness_mm.abs(),
+            ];
+            if sizes.iter().any(|size| *size > MAX_MM) {
+                return Err(unfit(format!(
+                    "surface {number} is larger or farther than {MAX_MM} mm; lengths are millimetres"
+                )));
+            }
             let numbers = [
                 surface.radius_mm,
                 surface.thickness_mm,

@@ -102,12 +102,13 @@ fn parent_map(
     parameters: &LevelParameters,
     writer: &TileWriter<'_>,
 ) -> Result<Option<crate::buildings::BuildingMap>, CityError> {
-    let texels = TexelGrid {
-        side: parameters.tile_texels,
-        texel_m: parameters.texel_m,
-        level: id.level - 1,
-    };
     let read = |child| {
+        let texels = TexelGrid {
+            side: parameters.tile_texels,
+            texel_m: parameters.texel_m,
+            level: id.level - 1,
+            corner: writer.corner(child),
+        };
         let path = writer.path(Layer::Buildings, child);
         let exists = path.exists();
         exists.then(|| read_buildings(&path, texels))

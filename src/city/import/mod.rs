@@ -26,7 +26,7 @@ mod tiles;
 use dataset_of_record::make_footprint_dataset;
 use ground_plan::GroundPlan;
 use levels::{LevelParameters, make_levels};
-use options::{cache_key, check_numbers, refuse_inputs_inside};
+use options::{cache_key, changed_source, check_numbers, refuse_inputs_inside};
 use plan::{Plan, rejected};
 use progress::progress;
 use sources::Sources;
@@ -177,7 +177,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         place,
         grid: plan.grid,
         height_rule: rule,
-        sources: cache_key.records,
+        sources: cache_key.records.clone(),
         operations,
         footprints: report,
     };
@@ -186,9 +186,12 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         why: error.to_string(),
     })?;
     let path = folder.join(FACADES);
-    std::fs::write(&path, rules_text).map_err(CityError::file(&path))?;
+    std::fs::write(&path, &rules_text).map_err(CityError::file(&path))?;
     let path = folder.join("city.toml");
     std::fs::write(&path, text).map_err(CityError::file(&path))?;
+    if let Some(path) = changed_source(options, &rules_text, &cache_key.text)? {
+        return Err(CityError::SourceChanged { path });
+    }
     staging.finish()?;
     Ok(ImportReport {
         manifest,

@@ -1,11 +1,13 @@
 //! What an import is asked, and which askings are refused.
 
+use std::hash::{DefaultHasher, Hasher};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::ground_plan::PlanFiles;
+use crate::city::staging::beside;
 use crate::city::{CityError, Layer, SourceRecord};
-use crate::source::HeightRule;
-use crate::source::PlanKind;
+use crate::source::{HeightRule, PlanKind, files_of};
 
 /// What `rilievo import` was asked.
 #[derive(Clone, Debug)]
@@ -93,23 +95,38 @@ impl ImportOptions {
     }
 }
 
-/// The old city is replaced whole: a source inside it would be lost.
+/// The old city is replaced whole, and what an import leaves beside it too: a source inside them would be lost.
 pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
-    let Ok(out) = std::fs::canonicalize(&options.out) else {
+    let [partial, previous] = beside(&options.out);
+    let folders: Vec<PathBuf> = [&options.out, &partial, &previous]
+        .into_iter()
+        .filter_map(|folder| std::fs::canonicalize(folder).ok())
+        .collect();
+    if folders.is_empty() {
         return Ok(());
-    };
-    let inputs = options
-        .terrain
-        .iter()
-        .chain([&options.buildings])
-        .chain(&options.imagery)
-        .chain(options.plan.all().map(|(_, file)| file));
-    for input in inputs {
-        if std::fs::canonicalize(input).is_ok_and(|input| input.starts_with(&out)) {
-            return Err(CityError::InputInside { path: input.clone() });
+    }
+    for input in inputs(options) {
+        let is_inside = |file: &Path| {
+            let file = std::fs::canonicalize(file);
+            file.is_ok_and(|file| folders.iter().any(|folder| file.starts_with(folder)))
+        };
+        if is_inside(input) || files_of(input).iter().any(|file| is_inside(file)) {
+            return Err(CityError::InputInside {
+                path: input.to_owned(),
+            });
         }
     }
     Ok(())
+}
+
+fn inputs(options: &ImportOptions) -> impl Iterator<Item = &Path> {
+    let all = options
+        .terrain
+        .iter()
+        .chain([&options.buildings])
+        .chain(&options.imagery);
+    all.map(PathBuf::as_path)
+        .chain(options.plan.all().map(|(_, file)| file.as_path()))
 }
 
 /// A number that an import is asked.
@@ -178,13 +195,14 @@ pub fn check_numbers(options: &ImportOptions) -> Result<(), CityError> {
 
 /// The text that decides whether tiles of an earlier run can be kept, and the sources for the manifest.
 pub struct CacheKey {
-    /// Options, and every source's size and time.
+    /// Options, and what the sources' files hold.
     pub text: String,
     /// The sources.
     pub records: Vec<SourceRecord>,
 }
 
-/// The options, the facade rules and every source's size and time: an import with the same cache key makes the same tiles.
+/// The options, the facade rules, and size, time and digest of every file of every source: an import with the same cache key makes the
+/// same tiles.
 pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityError> {
     let mut records = Vec::new();
     let mut text = format!("rilievo {}\n", env!("CARGO_PKG_VERSION"));
@@ -203,13 +221,15 @@ pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityE
         .flat_map(|(role, paths)| paths.iter().map(move |path| (role, path)))
     {
         let bytes = std::fs::metadata(path).map_or(0, |data| data.len());
-        for file in beside(path) {
+        for file in files_of(path) {
             let data = std::fs::metadata(&file).ok();
-            let (size, time) = (
-                data.as_ref().map(|d| d.len()),
-                data.and_then(|d| d.modified().ok()),
+            let time = data.as_ref().and_then(|data| data.modified().ok());
+            let size = data.map(|data| data.len());
+            text += &format!(
+                "\n{role} {} {size:?} {time:?} {:?}",
+                file.display(),
+                digest(&file)
             );
-            text += &format!("\n{role} {} {size:?} {time:?}", file.display());
         }
         records.push(SourceRecord {
             role: (*role).to_owned(),
@@ -220,17 +240,43 @@ pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityE
     Ok(CacheKey { text, records })
 }
 
-/// The file and its companions of the same name (.dbf, .prj, world files), in order.
-fn beside(path: &Path) -> Vec<PathBuf> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")))
-        .into_iter()
-        .flatten()
-        .flatten();
-    let mut files: Vec<PathBuf> = entries
-        .map(|entry| entry.path())
-        .filter(|file| file.is_file() && file.file_stem() == path.file_stem())
-        .collect();
-    files.sort();
-    files
+/// A source whose files are no longer those that an import began with.
+///
+/// # Errors
+/// As `cache_key`.
+pub fn changed_source(
+    options: &ImportOptions,
+    rules: &str,
+    text: &str,
+) -> Result<Option<PathBuf>, CityError> {
+    let now = cache_key(options, rules)?.text;
+    if now == text {
+        return Ok(None);
+    }
+    let is_new = |line: &&str| !text.lines().any(|known| known == *line);
+    let changed = now.lines().find(is_new).unwrap_or_default();
+    let path = inputs(options).find(|input| changed.contains(&*input.to_string_lossy()));
+    Ok(Some(path.unwrap_or(&options.buildings).to_owned()))
+}
+
+/// Bytes up to which a file is digested whole; of a larger one as many, in pieces spread over it.
+const DIGESTED: u64 = 64 << 20;
+/// Bytes of such a piece.
+const PIECE: u64 = 1 << 18;
+
+/// Digest of what a file holds; none of what cannot be read.
+fn digest(path: &Path) -> Option<u64> {
+    let mut file = std::fs::File::open(path).ok()?;
+    let size = file.metadata().ok().filter(|data| data.is_file())?.len();
+    let pieces = size.min(DIGESTED).div_ceil(PIECE).max(1);
+    let mut hasher = DefaultHasher::new();
+    let mut piece = Vec::new();
+    for k in 0..pieces {
+        let start = size.saturating_sub(PIECE) * k / (pieces - 1).max(1);
+        file.seek(SeekFrom::Start(start)).ok()?;
+        piece.clear();
+        Read::by_ref(&mut file).take(PIECE).read_to_end(&mut piece).ok()?;
+        hasher.write(&piece);
+    }
+    Some(hasher.finish())
 }

@@ -4,6 +4,7 @@ use super::sources::Sources;
 use super::spacing::Spacing;
 use super::{ImportOptions, TILE_TEXELS};
 use crate::city::CityError;
+use crate::city::manifest::MAX_TILES;
 use crate::source::{Footprint, FootprintReport};
 use crate::space::{Bounds, TileGrid};
 
@@ -21,8 +22,8 @@ pub struct Plan {
     pub fill_samples: usize,
 }
 
-/// Most tiles of a city.
-const MAX_TILES: f64 = 1e6;
+/// Longest run of missing samples that is filled, whatever is asked: a tile's neighbourhood of it fits in memory.
+const MAX_FILL_SAMPLES: usize = 1024;
 
 impl Plan {
     /// Tiles that cover the built-up part of the terrain and its surroundings.
@@ -57,7 +58,7 @@ impl Plan {
         }
         let tile_m = options.texel_m * TILE_TEXELS as f64;
         let tiles = (bounds.width() / tile_m + 1.0) * (bounds.height() / tile_m + 1.0);
-        if tiles > MAX_TILES {
+        if tiles > MAX_TILES as f64 {
             return Err(CityError::TooManyTiles {
                 tiles,
                 extent: describe(&bounds),
@@ -84,7 +85,7 @@ impl Plan {
             terrain_side: spacing.intervals + 1,
             terrain_step_m: spacing.step_m,
             rounding_m: lattice.is_none().then(|| rounding(spacing.step_m)),
-            fill_samples: (hole_m / spacing.step_m + 1e-6) as usize,
+            fill_samples: ((hole_m / spacing.step_m + 1e-6) as usize).min(MAX_FILL_SAMPLES),
         })
     }
 }

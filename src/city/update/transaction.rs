@@ -5,7 +5,6 @@
 //! finishes that first. Each of these steps can be done twice.
 
 use std::collections::HashSet;
-use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -15,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::changes::{Changes, UpdateContext};
 use super::tile_change::TileChange;
+use crate::city::city_files::{MAX_TEXT, is_tile_name, read_plain_text};
 use crate::city::codec::write_buildings;
 use crate::city::durable::sync;
 use crate::city::geotiff::GeoKeys;
@@ -63,7 +63,7 @@ impl Pending {
 
     /// The text of its manifest; none when it is in its place already.
     pub fn manifest(&self) -> Option<String> {
-        fs::read_to_string(self.folder.join(MANIFEST)).ok()
+        read_plain_text(&self.folder.join(MANIFEST), MAX_TEXT).ok()
     }
 
     /// Where a tile's new file lies before it is in its place.
@@ -231,6 +231,7 @@ fn move_files(city: &Path, plan: Plan) -> Result<(), CityError> {
     }
     sync(city)?;
     set_not_older(&manifest, &dataset_path)?;
+    sync(city)?;
     let place = city.join(MANIFEST);
     fs::rename(&manifest, &place).map_err(CityError::file(&place))?;
     sync_folder(city)?;
@@ -243,7 +244,7 @@ fn move_level(tiles: &Path, places: &Path) -> Result<(), CityError> {
     require_plain(places)?;
     for entry in fs::read_dir(tiles).map_err(CityError::file(tiles))? {
         let entry = entry.map_err(CityError::file(tiles))?;
-        if is_tile_name(&entry.file_name()) {
+        if is_tile_name(&entry.file_name().to_string_lossy()) {
             let place = places.join(entry.file_name());
             fs::rename(entry.path(), &place).map_err(CityError::file(&place))?;
         }
@@ -270,13 +271,12 @@ pub fn set_not_older(manifest: &Path, dataset: &Path) -> Result<(), CityError> {
 /// The plan of an update; none when there is none.
 fn read_plan(folder: &Path) -> Result<Option<Plan>, CityError> {
     let path = folder.join(PLAN);
-    let text = match fs::read_to_string(&path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(CityError::file(&path)(error)),
-    };
+    if fs::symlink_metadata(folder).is_err() || fs::symlink_metadata(&path).is_err() {
+        return Ok(None);
+    }
     // Its own folder, not one that a link leads to.
     require_plain(folder)?;
+    let text = read_plain_text(&path, MAX_TEXT)?;
     match toml::from_str(&text) {
         Ok(plan) => Ok(Some(plan)),
         Err(error) => Err(CityError::File {
@@ -296,14 +296,6 @@ fn require_plain(path: &Path) -> Result<(), CityError> {
         }),
         false => Ok(()),
     }
-}
-
-/// Whether a file is called like a tile: `X_Y.tif`.
-fn is_tile_name(name: &OsStr) -> bool {
-    let parts = name
-        .to_str()
-        .and_then(|name| name.strip_suffix(".tif")?.split_once('_'));
-    parts.is_some_and(|(x, y)| x.parse::<u32>().is_ok() && y.parse::<u32>().is_ok())
 }
 
 fn remove_folder(folder: &Path) -> Result<(), CityError> {

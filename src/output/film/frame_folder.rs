@@ -81,10 +81,14 @@ impl FrameFolder {
         let path = self.path(frame);
         let beside = path.with_extension("png.partial");
         write_png(&beside, size, rgba)?;
-        fs::rename(&beside, &path).map_err(|why| OutputError {
-            path,
-            why: why.to_string(),
-        })
+        // A frame that is there is whole, also after the power failed.
+        let durable = fs::File::open(&beside).and_then(|file| file.sync_all());
+        durable
+            .and_then(|()| fs::rename(&beside, &path))
+            .map_err(|why| OutputError {
+                path,
+                why: why.to_string(),
+            })
     }
 
     /// What ffmpeg reads: a pattern of file names.

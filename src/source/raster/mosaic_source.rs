@@ -38,6 +38,11 @@ pub struct MosaicSource {
     pub smoothing: Option<Smoothing>,
 }
 
+/// Finest pixels of rasters that do not lie north up, and of any, metres; and the coarsest.
+const MIN_ROTATED_M: f64 = 0.1;
+const MIN_PIXEL_M: f64 = 1e-4;
+const MAX_PIXEL_M: f64 = 1e6;
+
 impl MosaicSource {
     pub fn open(path: &Path, choice: &CrsChoice, metres_per_unit: Option<f64>) -> Result<Self, SourceError> {
         let dataset = open_raster(path)?;
@@ -92,6 +97,20 @@ impl MosaicSource {
             smoothing: None,
         };
         mosaic.measure();
+        let [_, _, skew_x, _, skew_y, _] = ground_from_pixel;
+        let is_rotated = skew_x != 0.0 || skew_y != 0.0;
+        if is_rotated && mosaic.pixel_m < MIN_ROTATED_M {
+            return Err(unfit(
+                "has very fine pixels that do not lie north up: every tile would be read through all of it",
+                "lay it north up and coarser first, with gdalwarp -tr 0.5 0.5",
+            ));
+        }
+        if !(MIN_PIXEL_M..MAX_PIXEL_M).contains(&mosaic.pixel_m) {
+            return Err(unfit(
+                "has pixels of no believable size",
+                "check its georeference and CRS with gdalinfo",
+            ));
+        }
         Ok(mosaic)
     }
 
@@ -106,7 +125,7 @@ impl MosaicSource {
     fn measure(&mut self) {
         let [width, height] = self.size.map(|count| count as f64);
         self.bounds = Bounds::EMPTY;
-        for (column, row) in [(0.0, 0.0), (width, height)] {
+        for (column, row) in [(0.0, 0.0), (width, 0.0), (0.0, height), (width, height)] {
             let (x, y) = self.ground_from_pixel.apply(column, row);
             self.bounds.include(x, y);
         }

@@ -1,5 +1,6 @@
 //! One mosaic source of terrain opened for reading: heights on a lattice of the city, bilinear in the file's own pixels.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use gdal::raster::ResampleAlg;
@@ -20,20 +21,26 @@ const UNDECLARED_NO_DATA: f64 = -9999.0;
 /// Most pixels read at a time for one tile (64 MiB of f32).
 const MAX_PIXELS: usize = 1 << 24;
 
+/// Pixels read for a sample, at most, where there is a choice.
+const PIXELS_A_SAMPLE: usize = 256;
+/// Most files of a mosaic source that are open at a time: systems allow some thousand to all threads together.
+const MAX_OPEN: usize = 24;
+
 /// Samples between two points where the transformation to the file's CRS is computed exactly.
 const TRANSFORM_STEP: usize = 16;
 
 /// One mosaic source opened, with the way from the city's CRS to its pixels.
 pub struct MosaicSampler {
     mosaic: MosaicSource,
-    files: Vec<OpenFile>,
+    files: Vec<MosaicFile>,
+    /// Those that are open, the one used last at the end.
+    open: RefCell<Vec<(usize, OpenFile)>>,
     file_from_city: PointTransform,
 }
 
 /// One file of a mosaic source.
 struct OpenFile {
     dataset: Dataset,
-    place: MosaicFile,
     no_data: Option<f64>,
     scale: f64,
     offset: f64,
@@ -41,26 +48,12 @@ struct OpenFile {
 
 impl MosaicSampler {
     pub fn open(mosaic: &MosaicSource, city: &Crs) -> Result<Self, SourceError> {
-        let files = mosaic
-            .files
-            .iter()
-            .map(|place| {
-                let dataset = open_raster(&place.path)?;
-                let band = dataset.rasterband(1).map_err(|e| damaged(&place.path, &e))?;
-                Ok(OpenFile {
-                    no_data: band.no_data_value(),
-                    scale: band.scale().unwrap_or(1.0) * mosaic.metres_per_unit,
-                    offset: band.offset().unwrap_or(0.0) * mosaic.metres_per_unit,
-                    place: place.clone(),
-                    dataset,
-                })
-            })
-            .collect::<Result<_, _>>()?;
         Ok(Self {
             file_from_city: PointTransform::new(city, &mosaic.crs)
                 .map_err(|source| mosaic.crs_error(source))?,
             mosaic: mosaic.clone(),
-            files,
+            files: mosaic.files.clone(),
+            open: RefCell::default(),
         })
     }
 
@@ -78,7 +71,9 @@ impl MosaicSampler {
         };
         // A tile of a very fine raster is read in bands of rows that fit in memory.
         let window_pixels = (high[0] - low[0]) * (high[1] - low[1]);
-        if window_pixels > MAX_PIXELS && size[1] > 1 {
+        let is_sparse =
+            window_pixels > MAX_PIXELS / 16 && window_pixels > PIXELS_A_SAMPLE * size[0] * size[1];
+        if (window_pixels > MAX_PIXELS || is_sparse) && size[1] > 1 {
             let half = size[1] / 2;
             let (south, north) = heights.split_at_mut(half * size[0]);
             self.fill_lattice(origin, step, first, [size[0], half], south)?;
@@ -89,6 +84,14 @@ impl MosaicSampler {
                 [size[0], size[1] - half],
                 north,
             );
+        }
+        // One row of a raster that lies aslant: its samples are far apart in both directions.
+        if (window_pixels > MAX_PIXELS || is_sparse) && size[0] > 1 {
+            let half = size[0] / 2;
+            let (west, east) = heights.split_at_mut(half);
+            self.fill_lattice(origin, step, first, [half, 1], west)?;
+            let next = [first[0] + half as i64, first[1]];
+            return self.fill_lattice(origin, step, next, [size[0] - half, 1], east);
         }
         let window = self.read(low, high)?;
         for (height, pixel) in heights.iter_mut().zip(&pixels) {
@@ -185,41 +188,70 @@ impl MosaicSampler {
             size,
             heights: vec![f32::NAN; size[0] * size[1]],
         };
-        for file in &self.files {
-            file.read_into(&mut window)?;
+        // Later files lie on top: what they leave open is seen from those below.
+        for (index, place) in self.files.iter().enumerate().rev() {
+            self.read_into(&mut window, index, place)?;
+            if window.heights.iter().all(|height| !height.is_nan()) {
+                break;
+            }
         }
         Ok(window)
     }
-}
 
-impl OpenFile {
-    /// Lays the file's known pixels over the window.
-    fn read_into(&self, window: &mut Window) -> Result<(), SourceError> {
-        let from = [0, 1].map(|axis| window.first[axis].max(self.place.first[axis]));
-        let to = [0, 1].map(|axis| {
-            (window.first[axis] + window.size[axis]).min(self.place.first[axis] + self.place.size[axis])
-        });
+    /// Lays a file's known pixels over the window.
+    fn read_into(&self, window: &mut Window, index: usize, place: &MosaicFile) -> Result<(), SourceError> {
+        let from = [0, 1].map(|axis| window.first[axis].max(place.first[axis]));
+        let to = [0, 1]
+            .map(|axis| (window.first[axis] + window.size[axis]).min(place.first[axis] + place.size[axis]));
         if from[0] >= to[0] || from[1] >= to[1] {
             return Ok(());
         }
         let size = (to[0] - from[0], to[1] - from[1]);
-        let corner = [0, 1].map(|axis| (from[axis] - self.place.first[axis]) as isize);
-        let bad = |error: gdal::errors::GdalError| damaged(&self.place.path, &error);
-        let band = self.dataset.rasterband(1).map_err(bad)?;
+        let corner = [0, 1].map(|axis| (from[axis] - place.first[axis]) as isize);
+        let bad = |error: gdal::errors::GdalError| damaged(&place.path, &error);
+        let mut open = self.open.borrow_mut();
+        let file = match open.iter().position(|(known, _)| *known == index) {
+            Some(known) => open.remove(known).1,
+            None => {
+                if open.len() >= MAX_OPEN {
+                    open.remove(0);
+                }
+                OpenFile::open(place, self.mosaic.metres_per_unit)?
+            }
+        };
+        open.push((index, file));
+        let Some((_, file)) = open.last() else {
+            return Ok(());
+        };
+        let band = file.dataset.rasterband(1).map_err(bad)?;
         let buffer = band
             .read_as::<f64>((corner[0], corner[1]), size, size, None::<ResampleAlg>)
             .map_err(bad)?;
         for (row, values) in buffer.data().chunks_exact(size.0).enumerate() {
             let start = (from[1] - window.first[1] + row) * window.size[0] + from[0] - window.first[0];
             for (height, &value) in window.heights[start..].iter_mut().zip(values) {
-                let metres = value * self.scale + self.offset;
-                let missing = self.no_data.is_some_and(|no_data| is_no_data(value, no_data));
-                if !missing && value != UNDECLARED_NO_DATA && BELIEVABLE_M.contains(&metres) {
+                let metres = value * file.scale + file.offset;
+                let missing = file.no_data.is_some_and(|no_data| is_no_data(value, no_data));
+                let is_known = !missing && value != UNDECLARED_NO_DATA && BELIEVABLE_M.contains(&metres);
+                if is_known && height.is_nan() {
                     *height = metres as f32;
                 }
             }
         }
         Ok(())
+    }
+}
+
+impl OpenFile {
+    fn open(place: &MosaicFile, metres_per_unit: f64) -> Result<Self, SourceError> {
+        let dataset = open_raster(&place.path)?;
+        let band = dataset.rasterband(1).map_err(|e| damaged(&place.path, &e))?;
+        Ok(Self {
+            no_data: band.no_data_value(),
+            scale: band.scale().unwrap_or(1.0) * metres_per_unit,
+            offset: band.offset().unwrap_or(0.0) * metres_per_unit,
+            dataset,
+        })
     }
 }
 

@@ -104,6 +104,8 @@ impl FootprintDatasetWriter {
     pub fn copy_fields(&mut self, source: &Defn) -> Result<(), SourceError> {
         let layer = self.dataset.layer(0).map_err(|error| self.error(error))?;
         let mut target_index = 0;
+        // SQLite tells columns apart by more than their case.
+        let mut names: std::collections::HashSet<String> = ["fid", "geom"].map(str::to_owned).into();
         for field in source.fields() {
             let kind = match field.field_type() {
                 known @ (OGRFieldType::OFTInteger
@@ -113,12 +115,10 @@ impl FootprintDatasetWriter {
                 | OGRFieldType::OFTDateTime) => known,
                 _ => OGRFieldType::OFTString,
             };
-            let name = field.name();
-            let taken = ["fid", "geom"].contains(&name.to_lowercase().as_str());
-            let name = if taken { format!("source_{name}") } else { name };
+            let name = field_name(&field.name(), &names);
+            names.insert(name.to_lowercase());
             let added = gdal::vector::FieldDefn::new(&name, kind)
                 .and_then(|definition| definition.add_to_layer(&layer));
-            // Two names that differ in case only are one column to SQLite: the first stays.
             self.field_map.push(if added.is_ok() { target_index } else { -1 });
             target_index += i32::from(added.is_ok());
         }
@@ -212,4 +212,22 @@ pub(super) fn commit(path: PathBuf, dataset: Dataset) -> Result<(), SourceError>
         path,
         why: error.to_string(),
     })
+}
+
+/// A column's name that no other has, whatever its case: the field's own, or with a prefix or a number.
+fn field_name(field: &str, taken: &std::collections::HashSet<String>) -> String {
+    let is_free = |name: &str| !taken.contains(&name.to_lowercase());
+    if is_free(field) {
+        return field.to_owned();
+    }
+    let prefixed = format!("source_{field}");
+    let reserved = ["fid", "geom"].contains(&field.to_lowercase().as_str());
+    if reserved && is_free(&prefixed) {
+        return prefixed;
+    }
+    let numbered = (2..).map(|number| format!("{field}_{number}"));
+    numbered
+        .into_iter()
+        .find(|name| is_free(name))
+        .unwrap_or(prefixed)
 }

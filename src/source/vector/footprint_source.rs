@@ -40,19 +40,31 @@ pub struct FootprintSource {
     pub(super) reads_past_damage: bool,
 }
 
+/// Most attributes of a footprint dataset: SQLite has 2000 columns, some of which are the dataset's own.
+const MAX_FIELDS: usize = 1980;
+
 /// The column of building ids in a footprint dataset.
 const FID: &str = "fid";
 
 impl FootprintSource {
     /// Opens a file and picks its layer: the named one, or the only one with areas.
     pub fn open(path: &Path, layer: Option<&str>, choice: &CrsChoice) -> Result<Self, SourceError> {
+        Self::open_by(path, layer, choice, None)
+    }
+
+    fn open_by(
+        path: &Path,
+        layer: Option<&str>,
+        choice: &CrsChoice,
+        drivers: Option<&[&str]>,
+    ) -> Result<Self, SourceError> {
         let city = cityjson::virtual_path(path)
             .map(|virtual_path| cityjson::open(path, &virtual_path))
             .transpose()?;
         let is_cityjson = city.is_some();
         let (dataset, cityjson_crs, translation_dropped) = match city {
             Some(city) => (city.dataset, city.crs, city.translation_dropped),
-            None => (open_vector(path)?, None, false),
+            None => (open_vector(path, drivers)?, None, false),
         };
         let driver = dataset.driver().short_name();
         let (is_osm, is_cad) = (
@@ -76,6 +88,7 @@ impl FootprintSource {
             reads_past_damage: ["FlatGeobuf", "ESRI Shapefile", "GPKG"].contains(&driver.as_str()),
         };
         source.pick_layer(layer)?;
+        source.require_few_fields()?;
         let own = match cityjson_crs {
             Some(crs) => gdal_reference(&crs).ok(),
             None => source.layer()?.spatial_ref(),
@@ -87,10 +100,37 @@ impl FootprintSource {
         Ok(source)
     }
 
+    /// A footprint dataset has no room for more.
+    fn require_few_fields(&self) -> Result<(), SourceError> {
+        let count = self.layer()?.defn().fields().count();
+        if count <= MAX_FIELDS {
+            return Ok(());
+        }
+        Err(SourceError::Unfit {
+            path: self.path.clone(),
+            what: format!("has {count} attributes, more than the {MAX_FIELDS} that a GeoPackage holds"),
+            advice: "leave some out, with ogr2ogr -select".to_owned(),
+        })
+    }
+
     /// Opens a city's footprint dataset of record; `written_in`: the CRS of one that was just written.
     pub fn open_footprint_dataset(path: &Path, written_in: Option<&Crs>) -> Result<Self, SourceError> {
+        let is_plain = std::fs::symlink_metadata(path).is_ok_and(|data| data.is_file());
+        if !is_plain {
+            return Err(SourceError::Open {
+                path: path.to_owned(),
+                why: "it is no plain file; a city's files lie in its folder".to_owned(),
+                expected: "footprint dataset",
+            });
+        }
         let layer = Some(super::footprint_dataset::LAYER);
-        Self::open(path, layer, &CrsChoice::new(written_in.cloned(), None))
+        // Nothing else that lies there under its name: a description could name other files and servers.
+        Self::open_by(
+            path,
+            layer,
+            &CrsChoice::new(written_in.cloned(), None),
+            Some(&["GPKG"]),
+        )
     }
 
     /// Takes building ids from the column `fid` where the format keeps none: for features that are to meet others by their ids.
@@ -243,7 +283,8 @@ fn may_hold_areas(defn: &Defn) -> bool {
     )
 }
 
-pub(super) fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
+/// Opens a dataset; with `drivers` by one of those alone, whatever else the file pretends to be.
+pub(super) fn open_vector(path: &Path, drivers: Option<&[&str]>) -> Result<Dataset, SourceError> {
     let zipped = path.extension().is_some_and(|extension| extension == "zip");
     let name = if zipped {
         super::cityjson::in_zip(path)
@@ -256,6 +297,9 @@ pub(super) fn open_vector(path: &Path) -> Result<Dataset, SourceError> {
             open_flags: GdalOpenFlags::GDAL_OF_VECTOR
                 | GdalOpenFlags::GDAL_OF_READONLY
                 | GdalOpenFlags::GDAL_OF_VERBOSE_ERROR,
+            allowed_drivers: drivers,
+            // GML names its schema by an address.
+            open_options: Some(&["DOWNLOAD_SCHEMA=NO"]),
             ..DatasetOptions::default()
         },
     )

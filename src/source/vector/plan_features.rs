@@ -222,7 +222,7 @@ pub fn read_plan(
         path: path.to_owned(),
         why,
     };
-    let dataset = open_vector(path)?;
+    let dataset = open_vector(path, None)?;
     let is_osm = dataset.driver().short_name() == "OSM";
     let mut features = Vec::new();
     let mut found = 0_u64;

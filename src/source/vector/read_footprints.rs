@@ -81,8 +81,14 @@ impl FootprintSource {
         let mut features = layer.features();
         loop {
             let mut batch: Vec<Raw> = Vec::new();
-            reset_gdal_error();
-            for feature in features.by_ref().take(BATCH) {
+            while batch.len() < BATCH {
+                // OGR ends a damaged file like a finished one, and says so with the last feature or after it.
+                reset_gdal_error();
+                let next = features.next();
+                if let Some(why) = gdal_failure() {
+                    return Err(self.read_error(why));
+                }
+                let Some(feature) = next else { break };
                 index += 1;
                 let (outline, rejected) = self.outline(&feature, building_field);
                 batch.push(Raw {
@@ -92,11 +98,6 @@ impl FootprintSource {
                     traits: traits.read(&feature),
                     rejected: rejected.or(self.id(&feature, index).is_none().then_some("no fid")),
                 });
-            }
-            if (batch.is_empty() || self.reads_past_damage)
-                && let Some(why) = gdal_failure()
-            {
-                return Err(self.read_error(why));
             }
             if batch.is_empty() {
                 break;

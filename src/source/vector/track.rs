@@ -31,7 +31,7 @@ const MAX_POINTS: usize = 2_000_000;
 /// # Errors
 /// When the file cannot be read, or holds no track.
 pub fn read_track(path: &Path, city: &Crs) -> Result<Vec<TrackPoint>, SourceError> {
-    let dataset = open_vector(path)?;
+    let dataset = open_vector(path, Some(&["GPX", "KML", "LIBKML"]))?;
     let read_error = |why: String| SourceError::Read {
         path: path.to_owned(),
         why,

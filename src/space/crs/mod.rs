@@ -55,6 +55,33 @@ enum Coordinates {
 const SURE_PERCENT: i32 = 90;
 
 impl Crs {
+    /// Whether a definition is a registered code (`EPSG:25832`) or WKT, and names no file or address: what a file from a stranger may give.
+    pub fn is_plain_definition(text: &str) -> bool {
+        let text = text.trim();
+        let is_word = |part: &str, also: &str| {
+            !part.is_empty()
+                && part
+                    .chars()
+                    .all(|c| c.is_ascii_alphanumeric() || also.contains(c))
+        };
+        let is_code = text
+            .split_once(':')
+            .is_some_and(|(authority, code)| is_word(authority, "_") && is_word(code, "_.-+:"))
+            && text.len() <= 64;
+        let kind = text.split('[').next().unwrap_or_default();
+        let is_wkt = text.contains('[') && text.ends_with(']') && is_word(kind, "_");
+        let upper = text.to_ascii_uppercase();
+        let names_files = [
+            "PARAMETERFILE",
+            "EXTENSION",
+            "NADGRIDS",
+            "GEOIDGRIDS",
+            "://",
+            "/VSI",
+        ];
+        (is_code || is_wkt) && !names_files.iter().any(|name| upper.contains(name))
+    }
+
     /// Reads `EPSG:n`, WKT, PROJ strings and whatever else PROJ takes for a CRS.
     pub fn from_text(text: &str) -> Result<Self, CrsError> {
         let definition = text.trim();

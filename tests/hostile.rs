@@ -1,0 +1,367 @@
+//! What careless and hostile input does: nothing is lost, nothing is read outside a city, and no file costs more than its size allows.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use support::{copied, import_arguments, rilievo, sample, walk};
+
+/// Runs the program and requires that it refuses in one line; gives the line.
+fn refused<S: AsRef<std::ffi::OsStr> + std::fmt::Debug>(arguments: &[S]) -> String {
+    let output = rilievo(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
+    let lines: Vec<&str> = errors
+        .lines()
+        .filter(|line| line.starts_with("rilievo: "))
+        .collect();
+    assert_eq!(lines.len(), 1, "{arguments:?}: {errors}");
+    lines[0].to_owned()
+}
+
+fn info(city: &Path) -> String {
+    refused(&["info", city.to_str().unwrap()])
+}
+
+fn sample_import(out: &Path) -> Vec<String> {
+    import_arguments(&sample().join("files"), out)
+}
+
+/// Another import of the same city is told and changes nothing.
+#[test]
+fn imports_of_one_city_take_turns() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("c");
+    let lock = File::create(folder.path().join("c.lock")).unwrap();
+    lock.lock().unwrap();
+    let message = refused(&sample_import(&out));
+    assert!(message.contains("another import"), "{message}");
+    assert!(!out.exists() && !folder.path().join("c.partial").exists());
+    drop(lock);
+    support::succeed(&sample_import(&out));
+    assert!(!folder.path().join("c.lock").exists());
+}
+
+/// Only what an import made is removed: not a folder with a manifest of somebody's own, nor a city moved to where imports stage theirs.
+#[test]
+fn what_no_import_made_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("own");
+    fs::create_dir_all(own.join("photo")).unwrap();
+    fs::write(own.join("city.toml"), "mine = 1").unwrap();
+    fs::write(own.join("photo/holiday.jpg"), "x").unwrap();
+    let message = refused(&sample_import(&own));
+    assert!(message.contains("is not a city"), "{message}");
+    assert!(own.join("photo/holiday.jpg").exists());
+
+    let city = copied(folder.path());
+    fs::create_dir_all(city.join("terrain/0/notes")).unwrap();
+    let message = refused(&sample_import(&city));
+    assert!(message.contains("terrain/0/notes"), "{message}");
+    fs::remove_dir(city.join("terrain/0/notes")).unwrap();
+
+    let moved = folder.path().join("d.partial");
+    fs::rename(&city, &moved).unwrap();
+    let before = walk(&moved);
+    let message = refused(&sample_import(&folder.path().join("d")));
+    assert!(message.contains("d.partial"), "{message}");
+    let mut from_it = sample_import(&folder.path().join("d"));
+    let dataset = from_it
+        .iter()
+        .position(|argument| argument == "--buildings")
+        .unwrap()
+        + 1;
+    from_it[dataset] = moved.join("buildings.gpkg").display().to_string();
+    let message = refused(&from_it);
+    assert!(message.contains("lies inside the city"), "{message}");
+    assert_eq!(walk(&moved), before);
+}
+
+/// A link to an empty folder is that folder; the link stays.
+#[cfg(unix)]
+#[test]
+fn a_city_can_be_made_through_a_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let (real, link) = (folder.path().join("real"), folder.path().join("link"));
+    fs::create_dir(&real).unwrap();
+    std::os::unix::fs::symlink(&real, &link).unwrap();
+    support::succeed(&sample_import(&link));
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert!(real.join("city.toml").is_file());
+}
+
+/// Links and pipes for parts of a city are refused, and none of them is read.
+#[cfg(unix)]
+#[test]
+fn nothing_leads_out_of_a_city() {
+    use std::os::unix::fs::symlink;
+    for part in [
+        "city.toml",
+        "facades.toml",
+        "terrain",
+        "terrain/0",
+        "buildings/0",
+        "photo",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let city = copied(folder.path());
+        let (inside, outside) = (city.join(part), folder.path().join("outside"));
+        fs::rename(&inside, &outside).unwrap();
+        symlink(&outside, &inside).unwrap();
+        let message = match part {
+            "facades.toml" => refused(&[
+                "bench",
+                city.to_str().unwrap(),
+                "--size",
+                "32x32",
+                "--frames",
+                "1",
+            ]),
+            _ => info(&city),
+        };
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    fs::remove_file(city.join("city.toml")).unwrap();
+    rustix::fs::mkfifoat(rustix::fs::CWD, city.join("city.toml"), rustix::fs::Mode::RUSR).unwrap();
+    assert!(info(&city).contains("is no plain file"));
+}
+
+/// A footprint dataset that is a description of another file or of a service, and CRS behind addresses, are refused.
+#[test]
+fn a_city_names_no_other_file_and_no_server() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let manifest = fs::read_to_string(city.join("city.toml")).unwrap();
+    let crs = manifest.lines().find(|line| line.starts_with("crs = ")).unwrap();
+    for other in [
+        "http://127.0.0.1:9/crs",
+        "+proj=utm +zone=33 +nadgrids=/etc/passwd",
+        "/etc/passwd",
+        "urn:ogc:def:crs:EPSG::1/../../x",
+    ] {
+        fs::write(
+            city.join("city.toml"),
+            manifest.replace(crs, &format!("crs = \"{other}\"")),
+        )
+        .unwrap();
+        assert!(info(&city).contains("its CRS is neither"), "{other}");
+    }
+    fs::write(city.join("city.toml"), &manifest).unwrap();
+    let outside = sample().join("files/buildings.gpkg");
+    for text in [
+        format!(
+            "<OGRVRTDataSource><OGRVRTLayer name=\"buildings\"><SrcDataSource>{}</SrcDataSource><SrcLayer>buildings</SrcLayer></OGRVRTLayer></OGRVRTDataSource>",
+            outside.display()
+        ),
+        "<OGRWFSDataSource><URL>http://127.0.0.1:9/wfs</URL></OGRWFSDataSource>".to_owned(),
+    ] {
+        fs::write(city.join("buildings.gpkg"), text).unwrap();
+        let message = refused(&[
+            "render",
+            city.to_str().unwrap(),
+            "--eye=0,0,900",
+            "--look=1,1,0",
+            "--size=32x32",
+            "--relief=polygons",
+            "--out",
+            folder.path().join("o.png").to_str().unwrap(),
+        ]);
+        assert!(message.contains("buildings.gpkg"), "{message}");
+    }
+}
+
+/// A manifest cannot ask for more than an import makes; a tile of another place is none of this one.
+#[test]
+fn sizes_and_places_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let path = city.join("city.toml");
+    let manifest = fs::read_to_string(&path).unwrap();
+    let line = |key: &str| {
+        let begins = format!("{key} = ");
+        manifest
+            .lines()
+            .find(|line| line.starts_with(&begins))
+            .unwrap()
+            .to_owned()
+    };
+    for (key, value) in [
+        ("columns", "8192"),
+        ("rows", "60000"),
+        ("terrain_side", "8000"),
+        ("photo_side", "8192"),
+        ("tile_texels", "1048576"),
+        ("building_map_bytes", "9000000000000000000"),
+        ("levels", "31"),
+        ("terrain_error_m", "inf"),
+        ("texel_m", "nan"),
+        ("terrain_tiles", "0"),
+    ] {
+        fs::write(&path, manifest.replace(&line(key), &format!("{key} = {value}"))).unwrap();
+        assert!(info(&city).contains("city.toml"), "{key}");
+    }
+    fs::write(&path, &manifest).unwrap();
+    let opened = rilievo::city::City::open(&city).unwrap();
+    let tiles: Vec<_> = opened
+        .manifest()
+        .grid
+        .tiles()
+        .filter(|&tile| {
+            opened.has(rilievo::city::Layer::Terrain, tile)
+                && opened.has(rilievo::city::Layer::Buildings, tile)
+                && opened.has(rilievo::city::Layer::Imagery, tile)
+        })
+        .take(2)
+        .collect();
+    for layer in ["terrain", "buildings", "photo"] {
+        let file = |tile: rilievo::space::TileId| city.join(format!("{layer}/0/{}_{}.tif", tile.x, tile.y));
+        let (a, b) = (file(tiles[0]), file(tiles[1]));
+        let aside = folder.path().join("aside");
+        fs::rename(&a, &aside).unwrap();
+        fs::rename(&b, &a).unwrap();
+        fs::rename(&aside, &b).unwrap();
+        let error = opened.tile(tiles[0]).unwrap_err().to_string();
+        assert!(error.contains("another place"), "{layer}: {error}");
+        fs::rename(&a, &aside).unwrap();
+        fs::rename(&b, &a).unwrap();
+        fs::rename(&aside, &b).unwrap();
+    }
+    opened.tile(tiles[0]).unwrap();
+}
+
+/// A cut OSM file is no whole one, though its reader says nothing.
+#[test]
+fn cut_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = "<?xml version='1.0'?>\n<osm version=\"0.6\">\n".to_owned();
+    for k in 0..300 {
+        let (lat, lon) = (42.0 + 1e-3 * f64::from(k % 20), 12.0 + 1e-3 * f64::from(k / 20));
+        for (n, (dy, dx)) in [(0.0, 0.0), (0.0, 2e-4), (2e-4, 2e-4), (2e-4, 0.0)]
+            .into_iter()
+            .enumerate()
+        {
+            text += &format!(
+                "<node id=\"{}\" lat=\"{}\" lon=\"{}\"/>\n",
+                10 * k + n as u32 + 1,
+                lat + dy,
+                lon + dx
+            );
+        }
+    }
+    for k in 0..300 {
+        let id = |n: u32| 10 * k + n + 1;
+        text += &format!("<way id=\"{}\">", k + 1);
+        for n in [0, 1, 2, 3, 0] {
+            text += &format!("<nd ref=\"{}\"/>", id(n));
+        }
+        text += "<tag k=\"building\" v=\"yes\"/></way>\n";
+    }
+    let cut = folder.path().join("cut.osm");
+    fs::write(&cut, &text[..text.len() * 19 / 20]).unwrap();
+    let mut arguments = sample_import(&folder.path().join("c"));
+    let dataset = arguments
+        .iter()
+        .position(|argument| argument == "--buildings")
+        .unwrap()
+        + 1;
+    arguments[dataset] = cut.display().to_string();
+    let field = arguments
+        .iter()
+        .position(|argument| argument == "--height-field")
+        .unwrap();
+    arguments.drain(field..field + 2);
+    let message = refused(&arguments);
+    assert!(
+        message.contains("cut.osm") && message.contains("damaged or truncated"),
+        "{message}"
+    );
+}
+
+/// A resume trusts what its sources hold: a member of a mosaic that changed begins it again.
+#[test]
+fn every_file_of_a_source_is_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let terrain = folder.path().join("in.tif");
+    fs::copy(sample().join("files/terrain.tif"), &terrain).unwrap();
+    let inner = folder.path().join("inner.vrt");
+    let outer = folder.path().join("outer.vrt");
+    let vrt = |of: &str| {
+        format!(
+            "<VRTDataset rasterXSize=\"4\" rasterYSize=\"4\"><VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename relativeToVRT=\"1\">{of}</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>"
+        )
+    };
+    fs::write(&inner, vrt("in.tif")).unwrap();
+    fs::write(&outer, vrt("inner.vrt")).unwrap();
+    fs::write(folder.path().join("in.tif.aux.xml"), "<PAMDataset/>").unwrap();
+    let files: Vec<PathBuf> = rilievo::source::files_of(&outer).into_iter().collect();
+    for file in [&inner, &outer, &terrain] {
+        assert!(
+            files.iter().any(|known| known.file_name() == file.file_name()),
+            "{file:?}: {files:?}"
+        );
+    }
+    let of_terrain = rilievo::source::files_of(&terrain);
+    assert!(
+        of_terrain.contains(&folder.path().join("in.tif.aux.xml")),
+        "{of_terrain:?}"
+    );
+    let of_folder = rilievo::source::files_of(folder.path());
+    assert!(of_folder.len() >= 4, "{of_folder:?}");
+}
+
+/// Work that no machine can do is refused before it begins.
+#[test]
+fn lenses_ask_for_bounded_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("f.png");
+    let message = refused(&[
+        "lens",
+        "flare",
+        "canon",
+        "--angle=5,0",
+        "--f-number=8",
+        "--mode=exact",
+        "--rays=512",
+        "--wavelengths=64",
+        "--size=64x48",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert!(message.contains("million rays"), "{message}");
+    let message = refused(&[
+        "lens",
+        "flare",
+        "heliar",
+        "--angle=5,0",
+        "--f-number=1",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert!(message.contains("does not open to f/1"), "{message}");
+    let heliar = support::succeed(&["lens", "show", "heliar", "--toml"]);
+    let path = folder.path().join("l.toml");
+    for (from, to) in [
+        ("semi_diameter = 14.5", "semi_diameter = 1e12"),
+        ("thickness = 7.7", "thickness = -1e300"),
+        ("film_mm = [36.0, 24.0]", "film_mm = [nan, 24.0]"),
+        ("index = 1.38", "index = -4.0"),
+    ] {
+        let changed = heliar.replace(from, to);
+        assert!(changed != heliar, "{from}");
+        fs::write(&path, changed).unwrap();
+        let message = refused(&[
+            "lens",
+            "diagram",
+            path.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        assert!(message.contains("l.toml"), "{message}");
+    }
+    #[cfg(unix)]
+    refused(&["lens", "show", "/dev/zero"]);
+}
