@@ -65,12 +65,25 @@ pub struct FlareArgs {
     /// Image size, pixels.
     #[arg(long, default_value = "960x640", value_parser = super::values::size)]
     size: [u32; 2],
-    /// The image to write. Its exposure is that of the paraxial flare, whatever the mode.
+    /// The image to write. Its exposure is that of the paraxial flare, whatever the mode; less where the sun's glare would fill it.
     #[arg(long)]
     out: PathBuf,
     /// Linear radiance for a sun of irradiance 1 (f32 TIFF).
     #[arg(long)]
     linear: Option<PathBuf>,
+}
+
+/// What half of an image with the sun in it stays below, of the display's white.
+const MIDDLE: f32 = 0.22;
+
+/// Median of the pixels' brightest channels.
+fn median_of(radiance: &[[f32; 3]]) -> f32 {
+    let mut brightest: Vec<f32> = radiance
+        .iter()
+        .map(|rgb| rgb.iter().copied().fold(0.0, f32::max))
+        .collect();
+    let middle = brightest.len() / 2;
+    *brightest.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// Most rays of a flare: a gigabyte of triangles.
@@ -174,6 +187,11 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
     let mut draw = |request| imager.draw(request, args.size).map_err(RenderError::from);
     let exposure = auto_exposure(&draw(&paraxial)?.radiance);
     let image = draw(&request)?;
+    // With the sun in it, no brighter than leaves half of the image below a middle grey.
+    let exposure = match shows_sun {
+        true => exposure.min(MIDDLE / median_of(&image.radiance).max(f32::MIN_POSITIVE)),
+        false => exposure,
+    };
     write_png(&args.out, args.size, &tone_mapped(&image.radiance, exposure))?;
     if let Some(path) = &args.linear {
         write_radiance(path, args.size, &image.radiance)?;
