@@ -1,5 +1,6 @@
 //! Flags of the camera and its light, shared by the commands that draw a city.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::CommandError;
@@ -74,6 +75,12 @@ impl CameraFlags {
             pose,
             optics: Optics::Lens(optics),
         })
+    }
+
+    /// Files that the image depends on: the lens's, where it is none of the built-in ones, and the flare's table.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let lens = self.lens.iter().map(PathBuf::from).filter(|path| path.is_file());
+        lens.chain(self.flare.table_file().map(Path::to_owned)).collect()
     }
 
     /// What the camera's lens adds; none without a lens.

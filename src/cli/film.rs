@@ -129,8 +129,14 @@ pub fn run(args: &FilmArgs) -> Result<(), CommandError> {
 /// What tells this film from others: everything that its frames depend on.
 fn film_key(args: &FilmArgs, city: &City, path: &FlightPath) -> String {
     let manifest = city.manifest();
+    let stamp = |path: PathBuf| {
+        let data = std::fs::metadata(&path).ok();
+        let time = data.as_ref().and_then(|data| data.modified().ok());
+        (path, data.map(|data| data.len()), time)
+    };
+    let files: Vec<_> = args.camera.files().into_iter().map(stamp).collect();
     format!(
-        "{:?}\ngeneration {}\n{:?}\n{:?}\n",
+        "{:?}\ngeneration {}\n{:?}\n{:?}\n{files:?}\n",
         (
             args.fps,
             args.size,

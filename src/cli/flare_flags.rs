@@ -1,6 +1,6 @@
 //! Flags of a flare, shared by `render` and `lens flare`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::CommandError;
@@ -53,6 +53,11 @@ impl FlareFlags {
             mode: self.mode.unwrap_or(own),
             ..row
         }
+    }
+
+    /// The file of the asked table.
+    pub fn table_file(&self) -> Option<&Path> {
+        self.flare_table.as_deref()
     }
 
     /// Whether a quality was asked for.

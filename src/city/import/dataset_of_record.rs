@@ -23,12 +23,18 @@ pub fn make_footprint_dataset(
     raised.count_in(report);
     let buildings = raised.buildings;
     let mut dataset = FootprintDatasetWriter::create(path, &sources.crs)?;
-    sources.buildings.copy_to(&mut dataset, |fid| {
+    let written = sources.buildings.copy_to(&mut dataset, |fid| {
         let index = buildings
             .binary_search_by_key(&fid, |building| building.fid)
             .ok()?;
         Some(&buildings[index].outline)
     })?;
+    if written != buildings.len() as u64 {
+        // The two readings of the source differ.
+        return Err(CityError::SourceChanged {
+            path: sources.buildings.path().to_owned(),
+        });
+    }
     dataset.finish()?;
     Ok(buildings)
 }

@@ -28,7 +28,7 @@ use ground_plan::GroundPlan;
 use levels::{LevelParameters, make_levels};
 use options::{cache_key, changed_source, check_numbers, refuse_inputs_inside};
 use plan::{Plan, rejected};
-use progress::progress;
+use progress::{announce, progress};
 use sources::Sources;
 use terrain::make_terrain;
 use tiles::make_tiles;
@@ -37,6 +37,10 @@ use warnings::source_warnings;
 pub use ground_plan::PlanFiles;
 pub use options::{ImportOptions, Setting};
 pub use warnings::ImportWarning;
+
+use std::collections::HashSet;
+
+use geo::CoordsIter;
 
 use super::geotiff::GeoKeys;
 use super::ground_cache::GroundCache;
@@ -47,6 +51,7 @@ use super::writer::TileWriter;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
 use crate::source::{Footprint, HeightRule};
+use crate::space::TileGrid;
 
 /// Texels along a tile's side.
 pub const TILE_TEXELS: usize = 512;
@@ -62,6 +67,23 @@ pub struct ImportReport {
     pub terrain_tiles: u64,
     /// Samples filled in narrow holes.
     pub filled_samples: u64,
+}
+
+/// Number of tiles that a vertex of a footprint lies on.
+fn built_tiles(grid: &TileGrid, footprints: &[Footprint]) -> usize {
+    let vertices = footprints
+        .iter()
+        .flat_map(|footprint| footprint.outline.coords_iter());
+    let tiles: HashSet<[i64; 2]> = vertices
+        .map(|at| {
+            [
+                (at.x - grid.west) / grid.tile_m,
+                (at.y - grid.south) / grid.tile_m,
+            ]
+            .map(|place| place.floor() as i64)
+        })
+        .collect();
+    tiles.len()
 }
 
 /// Makes a city.
@@ -100,6 +122,11 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     spinner.finish_and_clear();
 
     let plan = Plan::new(&sources, options, &footprints, &report)?;
+    announce(
+        &plan.grid,
+        plan.terrain_side,
+        built_tiles(&plan.grid, &footprints),
+    );
     let keys = GeoKeys::from_crs(&sources.crs)?;
     let ground = GroundCache::new(
         folder.to_owned(),
