@@ -174,6 +174,77 @@ fn a_city_names_no_other_file_and_no_server() {
     }
 }
 
+/// A description of a service that is imported reaches no server either.
+#[test]
+fn no_server_is_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    server.set_nonblocking(true).unwrap();
+    let address = server.local_addr().unwrap();
+    for text in [
+        format!("<OGRWFSDataSource><URL>http://{address}/wfs</URL></OGRWFSDataSource>"),
+        format!(
+            "<OGRVRTDataSource><OGRVRTLayer name=\"a\"><SrcDataSource>/vsicurl/http://{address}/a.geojson</SrcDataSource></OGRVRTLayer></OGRVRTDataSource>"
+        ),
+    ] {
+        let path = folder.path().join("service.xml");
+        fs::write(&path, text).unwrap();
+        let mut arguments = sample_import(&folder.path().join("c"));
+        let dataset = arguments
+            .iter()
+            .position(|argument| argument == "--buildings")
+            .unwrap()
+            + 1;
+        arguments[dataset] = path.display().to_string();
+        let output = std::process::Command::new(support::PROGRAM)
+            .args(&arguments)
+            .env("no_proxy", "")
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        assert!(server.accept().is_err(), "it asked the server");
+    }
+}
+
+/// A backup that a user keeps beside the city stays; a city's folder may lie where none is yet.
+#[test]
+fn a_backup_beside_the_city_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let backup = folder.path().join("berlin.previous");
+    fs::rename(&city, &backup).unwrap();
+    let before = walk(&backup);
+    support::succeed(&sample_import(&folder.path().join("berlin")));
+    assert_eq!(walk(&backup), before);
+    support::succeed(&sample_import(&folder.path().join("berlin")));
+    assert_eq!(walk(&backup), before);
+    support::succeed(&sample_import(&folder.path().join("new/folder/berlin")));
+    assert!(folder.path().join("new/folder/berlin/city.toml").is_file());
+    assert!(!folder.path().join("new/folder/berlin/import.cache_key").exists());
+}
+
+/// Honest definitions of CRS pass, also when their names read like more.
+#[test]
+fn honest_crs_are_known() {
+    use rilievo::space::Crs;
+    for text in [
+        "EPSG:25832",
+        "IGNF:LAMB93",
+        "PROJCRS[\"Airport Extension Grid\",BASEGEOGCRS[\"WGS 84\",ID[\"EPSG\",4326]],REMARK[\"see https://example.org\"]]",
+    ] {
+        assert!(Crs::is_plain_definition(text), "{text}");
+    }
+    for text in [
+        "BOUNDCRS[SOURCECRS[X],PARAMETERFILE[\"a\",\"/etc/passwd\"]]",
+        "PROJCS[\"x\",EXTENSION[\"PROJ4\",\"+proj=utm +nadgrids=/a\"]]",
+        "+proj=longlat",
+        "http://a/b:1",
+        "/tmp/x",
+    ] {
+        assert!(!Crs::is_plain_definition(text), "{text}");
+    }
+}
+
 /// A manifest cannot ask for more than an import makes; a tile of another place is none of this one.
 #[test]
 fn sizes_and_places_are_checked() {

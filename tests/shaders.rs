@@ -49,6 +49,7 @@ shader_types!(
     [f32; 2] => "vec2<f32>", [f32; 3] => "vec3<f32>", [f32; 4] => "vec4<f32>",
     [i32; 2] => "vec2<i32>", glam::Vec4 => "vec4<f32>", glam::Mat4 => "mat4x4<f32>",
     SearchParameters => "SearchParameters", [glam::Vec4; 9] => "array<vec4<f32>, 9>",
+    [glam::Vec4; 4] => "array<vec4<f32>, 4>",
 );
 
 fn wgsl_of<S, T: ShaderType>(_: fn(&S) -> &T) -> String {
@@ -173,7 +174,16 @@ fn records_are_laid_out_alike_on_both_sides() {
     same_layout!(
         "Exposure",
         Exposure,
-        ["scale" = scale, "flare_scale" = flare_scale, "padding" = padding]
+        [
+            "scale" = scale,
+            "flare_scale" = flare_scale,
+            "centre" = centre,
+            "places_per_pixel" = places_per_pixel,
+            "padding_a" = padding_a,
+            "padding_b" = padding_b,
+            "padding_c" = padding_c,
+            "falloff" = falloff,
+        ]
     );
     same_layout!(
         "TileRecord",

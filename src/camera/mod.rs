@@ -1,7 +1,7 @@
 //! The optics between radiance and the image: the camera, its lens, the paths of light through it, what it adds, and tone mapping.
 //!
 //! ```text
-//! lens ─▶ path ─▶ paraxial ─┬▶ optics (Camera: projection, sun on the sensor)
+//! lens ─▶ path ─▶ paraxial ─┬▶ optics (Camera: projection, sun on the sensor; vignetting)
 //!               └▶ trace ───┴▶ diagram, flare
 //!                   └▶ rays (its twin on the GPU, many at once)
 //! radiance ─▶ accumulate ─┐
@@ -22,6 +22,7 @@ mod shaders;
 mod tone_map_pass;
 mod tone_curve;
 mod trace;
+mod vignetting;
 
 pub use accumulate_pass::AccumulatePass;
 pub use auto_exposure::auto_exposure;
@@ -35,5 +36,6 @@ pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use ray_bundles::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
 pub use tone_curve::{START_COMPRESSION, shoulder, srgb, tone_curve, tone_mapped};
-pub use tone_map_pass::{Exposure, ToneMapPass};
+pub use tone_map_pass::{Exposure, ToneMapPass, ToneMapping};
 pub use trace::{TracedRay, Tracer, beam_direction};
+pub use vignetting::{FALLOFF_PLACES, Vignetting};

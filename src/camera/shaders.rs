@@ -3,6 +3,7 @@
 use super::flare::{MASK_EXTENT, MAX_SOFTNESS, MIN_SOFTNESS, SOFT_EXTENT, SOFT_MARGIN, SOFT_MASKS};
 use super::ray_bundles::{LOST, REFLECTS, STOP, WORKGROUP};
 use super::tone_curve::START_COMPRESSION;
+use super::vignetting::FALLOFF_PLACES;
 use crate::gpu::{Constant, ConstantValue, ShaderSource, shader_file};
 
 /// What these shaders share with Rust.
@@ -11,6 +12,7 @@ const CONSTANTS: &[Constant] = &[
     ("STOP", ConstantValue::Uint(STOP)),
     ("LOST", ConstantValue::Float(LOST)),
     ("WORKGROUP", ConstantValue::Uint(WORKGROUP)),
+    ("FALLOFF_PLACES", ConstantValue::Float(FALLOFF_PLACES as f32)),
     ("SOFT_MARGIN", ConstantValue::Float(SOFT_MARGIN as f32)),
     ("MASK_EXTENT", ConstantValue::Float(MASK_EXTENT as f32)),
     ("SOFT_EXTENT", ConstantValue::Float(SOFT_EXTENT as f32)),

@@ -3,29 +3,57 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::shaders::TONE_MAP;
+use super::vignetting::{FALLOFF_PLACES, Vignetting};
 use crate::gpu::{
     BySize, FLOAT, Gpu, PipelineParameters, Target, UNIFORM, Uniform, color_target, shader_module, texture,
 };
 
-/// Layout of `Exposure` in `shaders/camera/tone_map.wgsl`.
+/// Layout of `Exposure` in `shaders/camera/tone_map.wgsl`, where each field is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
+#[allow(missing_docs)]
 pub struct Exposure {
-    /// Factor from summed radiance to the display's linear 0..1.
     pub scale: f32,
-    /// Factor of the flare, which is no sum.
     pub flare_scale: f32,
-    /// Keeps the record at 16 bytes.
-    pub padding: [f32; 2],
+    pub centre: [f32; 2],
+    pub places_per_pixel: f32,
+    pub padding_a: f32,
+    pub padding_b: f32,
+    pub padding_c: f32,
+    pub falloff: [glam::Vec4; 4],
+}
+
+/// What an image is developed with.
+#[derive(Clone, Copy)]
+pub struct ToneMapping<'a> {
+    /// Factor on radiance.
+    pub exposure: f32,
+    /// Samples in the sum.
+    pub samples: u32,
+    /// The lens's vignetting, and half of the sensor's part that the image shows, millimetres; none without a lens.
+    pub vignetting: Option<(&'a Vignetting, [f64; 2])>,
 }
 
 impl Exposure {
-    /// Of the mean of `samples` samples.
-    pub fn new(exposure: f32, samples: u32) -> Self {
+    /// For an image of `size` pixels.
+    pub fn new(mapping: &ToneMapping<'_>, size: [u32; 2]) -> Self {
+        let (falloff, places_per_pixel) = match mapping.vignetting {
+            Some((vignetting, half_mm)) => {
+                let mm_per_pixel = 2.0 * half_mm[1] / f64::from(size[1]);
+                let places = (FALLOFF_PLACES - 1) as f64;
+                (vignetting.falloff, places * mm_per_pixel / vignetting.corner_mm)
+            }
+            None => ([1.0; FALLOFF_PLACES], 0.0),
+        };
         Self {
-            scale: exposure / samples.max(1) as f32,
-            flare_scale: exposure,
-            padding: [0.0; 2],
+            scale: mapping.exposure / mapping.samples.max(1) as f32,
+            flare_scale: mapping.exposure,
+            centre: size.map(|side| 0.5 * side as f32),
+            places_per_pixel: places_per_pixel as f32,
+            padding_a: 0.0,
+            padding_b: 0.0,
+            padding_c: 0.0,
+            falloff: std::array::from_fn(|k| glam::Vec4::from_slice(&falloff[4 * k..])),
         }
     }
 }
@@ -104,17 +132,18 @@ impl ToneMapPass {
         self.image.current().map(|image| &image.codes)
     }
 
-    /// Draws the image of `samples` samples.
+    /// Draws the image.
     pub fn encode(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        exposure: f32,
-        samples: u32,
+        mapping: &ToneMapping<'_>,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let Some(image) = self.image.current() else { return };
-        self.exposure.write(gpu, &Exposure::new(exposure, samples));
+        let texels = image.target.texture.size();
+        self.exposure
+            .write(gpu, &Exposure::new(mapping, [texels.width, texels.height]));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone map"),
             color_attachments: &[image.target.cleared(wgpu::Color::TRANSPARENT)],
@@ -122,7 +151,7 @@ impl ToneMapPass {
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &image.inputs[(samples as usize + 1) % 2], &[]);
+        pass.set_bind_group(0, &image.inputs[(mapping.samples as usize + 1) % 2], &[]);
         pass.draw(0..3, 0..1);
     }
 }

@@ -65,6 +65,12 @@ pub enum CityError {
         /// Number of its process; may be empty.
         process: String,
     },
+    /// A city cannot be in the sources' CRS.
+    #[error("a city's CRS is a code or WKT that names no file; the sources' is {crs}")]
+    UnfitCrs {
+        /// Its beginning.
+        crs: String,
+    },
     /// A source changed while it was read.
     #[error("{}: changed while it was imported; run the import again", path.display())]
     SourceChanged {

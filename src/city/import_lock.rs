@@ -5,6 +5,10 @@ use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::CityError;
+use super::update::is_at;
+
+/// How often a lock that was taken away while it was waited for is tried again.
+const MAX_TRIES: u32 = 100;
 
 /// The place of a city locked against other imports, as long as this lives. The system lets go of it when the program is killed.
 pub struct ImportLock {
@@ -21,7 +25,7 @@ impl ImportLock {
         let mut name = target.file_name().unwrap_or_default().to_owned();
         name.push(".lock");
         let path = target.with_file_name(name);
-        loop {
+        for _ in 0..MAX_TRIES {
             let is_link = std::fs::symlink_metadata(&path).is_ok_and(|data| !data.is_file());
             if is_link {
                 return Err(CityError::Occupied { path });
@@ -57,6 +61,10 @@ impl ImportLock {
             written.map_err(CityError::file(&path))?;
             return Ok(Self { file, path });
         }
+        Err(CityError::Busy {
+            path: target.to_owned(),
+            process: String::new(),
+        })
     }
 }
 
@@ -66,17 +74,4 @@ impl Drop for ImportLock {
         let _ = std::fs::remove_file(&self.path);
         let _ = self.file.unlock();
     }
-}
-
-/// Whether an open file is the one at a path.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let of = |data: std::io::Result<std::fs::Metadata>| data.ok().map(|data| (data.dev(), data.ino()));
-    of(file.metadata()) == of(std::fs::metadata(path))
-}
-
-#[cfg(not(unix))]
-fn is_at(_: &File, _: &Path) -> bool {
-    true
 }

@@ -3,9 +3,10 @@
 //! A killed import leaves `NAME.partial`; the same import run again goes on from its finished tiles.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::city_files::{MAX_TEXT, foreign, read_plain_text};
+use super::city_files::{MAX_TEXT, foreign, open_plain, read_plain_text};
 use super::durable::sync;
 use super::import_lock::ImportLock;
 use super::layer::Layer;
@@ -23,26 +24,21 @@ pub struct Staging {
 /// In the staging folder, and in an old city while it is replaced: marks a folder that may be removed. It begins with `MARK`.
 const CACHE_KEY: &str = "import.cache_key";
 const MARK: &str = "rilievo ";
+const REPLACED: &str = "rilievo replaced";
+/// The marker while it is written.
+const NEW_KEY: &str = "import.cache_key.partial";
 /// What a city folder holds, beside its layers' folders.
-const FILES: [&str; 6] = [
+const FILES: [&str; 7] = [
     "city.toml",
     "buildings.gpkg",
     FACADES,
     PARTIAL,
     COMMITTED,
     CACHE_KEY,
+    NEW_KEY,
 ];
 /// What the staging folder may hold besides.
-const STAGED: [&str; 8] = [
-    "city.toml",
-    "buildings.gpkg",
-    FACADES,
-    PARTIAL,
-    COMMITTED,
-    CACHE_KEY,
-    "buildings.gpkg-journal",
-    "buildings.gpkg-wal",
-];
+const JOURNAL: &str = "buildings.gpkg-journal";
 
 /// The folder beside a city that it is made in, and the one that holds an old city for a moment where folders cannot be exchanged.
 pub fn beside(target: &Path) -> [PathBuf; 2] {
@@ -67,11 +63,19 @@ impl Staging {
             Ok(data) if data.is_symlink() => fs::canonicalize(target).map_err(CityError::file(target))?,
             _ => target.to_owned(),
         };
+        if let Some(parent) = target.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+            fs::create_dir_all(parent).map_err(CityError::file(parent))?;
+        }
         let lock = ImportLock::acquire(&target)?;
         let [folder, previous] = beside(&target);
-        // An exchange that was stopped in the middle.
-        if !target.exists() && is_city(&previous) {
-            fs::rename(&previous, &target).map_err(CityError::file(&target))?;
+        // An exchange that was stopped in the middle: before the new city was in place, or after.
+        if is_city(&previous) && has_marker(&previous, REPLACED) {
+            if target.exists() {
+                refuse_foreign(&previous, &FILES)?;
+                remove_marked(&previous)?;
+            } else {
+                fs::rename(&previous, &target).map_err(CityError::file(&target))?;
+            }
         }
         if fs::symlink_metadata(&target).is_ok() {
             let is_empty =
@@ -84,19 +88,18 @@ impl Staging {
         refuse_edited(&target)?;
         let marker = folder.join(CACHE_KEY);
         if fs::symlink_metadata(&folder).is_ok() {
-            refuse_foreign(&folder, &STAGED)?;
-            let known = read_plain_text(&marker, MAX_TEXT).unwrap_or_default();
+            refuse_foreign(&folder, &[FILES.as_slice(), &[JOURNAL]].concat())?;
             let is_empty = fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_none());
-            if !known.starts_with(MARK) && !is_empty {
+            if !has_marker(&folder, MARK) && !is_empty {
                 // No import left it: a city that somebody moved there.
                 return Err(CityError::Foreign { path: folder });
             }
-            if known != cache_key {
-                fs::remove_dir_all(&folder).map_err(CityError::file(&folder))?;
+            if fs::read_to_string(&marker).ok().as_deref() != Some(cache_key) {
+                remove_marked(&folder)?;
             }
         }
         fs::create_dir_all(&folder).map_err(CityError::file(&folder))?;
-        fs::write(&marker, cache_key).map_err(CityError::file(&marker))?;
+        write_marker(&folder, cache_key)?;
         for layer in Layer::ALL {
             let path = folder.join(layer.name()).join("0");
             fs::create_dir_all(&path).map_err(CityError::file(&path))?;
@@ -128,13 +131,12 @@ impl Staging {
         let parent = parent.unwrap_or(Path::new("."));
         if is_city(&self.target) {
             // So that the old city can be removed, whenever this is stopped.
-            let marker = self.target.join(CACHE_KEY);
-            fs::write(&marker, format!("{MARK}replaced")).map_err(CityError::file(&marker))?;
+            write_marker(&self.target, REPLACED)?;
             sync(&self.folder)?;
             exchange(&self.folder, &self.target)?;
             // The new one is there before the old one goes.
             sync(parent)?;
-            fs::remove_dir_all(&self.folder).map_err(CityError::file(&self.folder))?;
+            remove_marked(&self.folder)?;
         } else {
             sync(&self.folder)?;
             if self.target.is_dir() {
@@ -146,6 +148,36 @@ impl Staging {
         fs::remove_file(&marker).map_err(CityError::file(&marker))?;
         sync(parent)
     }
+}
+
+/// Whether a folder's marker begins so.
+fn has_marker(folder: &Path, begin: &str) -> bool {
+    let mut known = Vec::new();
+    let file = open_plain(&folder.join(CACHE_KEY));
+    let read = file.is_ok_and(|file| file.take(begin.len() as u64).read_to_end(&mut known).is_ok());
+    read && known == begin.as_bytes()
+}
+
+/// Writes a folder's marker in one step.
+fn write_marker(folder: &Path, text: &str) -> Result<(), CityError> {
+    let (marker, partial) = (folder.join(CACHE_KEY), folder.join(NEW_KEY));
+    fs::write(&partial, text).map_err(CityError::file(&partial))?;
+    fs::rename(&partial, &marker).map_err(CityError::file(&marker))
+}
+
+/// Removes a folder of an import, its marker last: whenever this is stopped, what is left can be removed too.
+fn remove_marked(folder: &Path) -> Result<(), CityError> {
+    for entry in fs::read_dir(folder).map_err(CityError::file(folder))? {
+        let entry = entry.map_err(CityError::file(folder))?;
+        let path = entry.path();
+        let removed = match entry.file_type() {
+            _ if entry.file_name() == CACHE_KEY => continue,
+            Ok(kind) if kind.is_dir() => fs::remove_dir_all(&path),
+            _ => fs::remove_file(&path),
+        };
+        removed.map_err(CityError::file(&path))?;
+    }
+    fs::remove_dir_all(folder).map_err(CityError::file(folder))
 }
 
 /// Whether a folder has a manifest that this program wrote, of whatever format.

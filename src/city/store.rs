@@ -7,7 +7,7 @@ use super::city_files::{MAX_TEXT, is_tile_name, read_plain_text, require_plain_f
 use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
 use super::rules_file::rules_from_city;
-use super::update::Pending;
+use super::update::{COMMITTED, Pending};
 use super::{CityError, ImageryTile, Manifest, Tile};
 use crate::buildings::BuildingMap;
 use crate::material::FacadeRules;
@@ -37,6 +37,9 @@ impl City {
         };
         let manifest = Manifest::from_text(&text).map_err(not_a_city)?;
         require_plain_folders(folder, manifest.levels)?;
+        if pending.is_some() {
+            require_plain_folders(&folder.join(COMMITTED), manifest.levels)?;
+        }
         Ok(Self {
             folder: folder.to_owned(),
             manifest,

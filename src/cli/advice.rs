@@ -63,6 +63,7 @@ fn for_city(error: &CityError) -> Option<String> {
             path.display()
         ),
         CityError::Occupied { .. } => "choose another --out or remove it yourself".to_owned(),
+        CityError::UnfitCrs { .. } => "name another CRS for the city (--crs EPSG:n)".to_owned(),
         CityError::Busy { .. } => "wait until it has ended, or choose another --out".to_owned(),
         CityError::NoFolderName { .. } => "give --out a folder to make".to_owned(),
         CityError::Foreign { .. } => "move it elsewhere, or choose another --out".to_owned(),

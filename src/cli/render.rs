@@ -94,6 +94,11 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         require_folder(path)?;
     }
     let kind = image_kind(&args.out)?;
+    if args.intermediate.is_some() && kind != ImageKind::Display {
+        return Err(CommandError::Argument(
+            "--intermediate draws false colours; name a file that ends in .png".to_owned(),
+        ));
+    }
     let city = City::open(&args.city)?;
     let place = city.manifest().place;
     let view = view(args, &city)?;

@@ -10,7 +10,9 @@
 use glam::DVec2;
 
 use super::{FlareSettings, RenderError, Renderer};
-use crate::camera::{Camera, daylight, daylight_exposure, towards_sun_exposure};
+use crate::camera::{
+    Camera, LensOptics, ToneMapping, Vignetting, daylight, daylight_exposure, towards_sun_exposure,
+};
 use crate::gpu::Band;
 use crate::relief::{ReliefSettings, ReliefView, TIMED_PASSES, sun_seen_from};
 use crate::space::Sun;
@@ -122,6 +124,7 @@ impl Renderer {
 
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {
         self.flare.encode(encoder, (&self.timer, FLARE));
+        self.prepare_vignetting(request);
         let timestamps = self.timer.pass(TONE_MAP);
         let daylight = daylight(request.sun, self.relief.sky_on_level_ground());
         let metered = match request.camera.lens() {
@@ -129,8 +132,24 @@ impl Renderer {
             None => 1.0,
         };
         let exposure = request.exposure * metered * daylight_exposure(daylight);
-        self.tone_map
-            .encode(&self.gpu, encoder, exposure, samples, timestamps);
+        let half_mm = |lens: &LensOptics| lens.image_half_mm(request.size);
+        let mapping = ToneMapping {
+            exposure,
+            samples,
+            vignetting: self.vignetting.as_ref().zip(request.camera.lens().map(half_mm)),
+        };
+        self.tone_map.encode(&self.gpu, encoder, &mapping, timestamps);
+    }
+
+    /// Brings the vignetting up to date with the camera's lens.
+    fn prepare_vignetting(&mut self, request: &FrameRequest<'_>) {
+        let optics = request.camera.lens();
+        self.vignetting = match (self.vignetting.take(), optics) {
+            (_, None) => None,
+            (Some(known), Some(optics)) if known.is_of(optics) => Some(known),
+            (_, Some(optics)) => Some(Vignetting::new(optics)),
+        };
+        self.image_half_mm = optics.map_or([1.0; 2], |optics| optics.image_half_mm(request.size));
     }
 
     /// The sun as the camera sees it, past roofs and hills.

@@ -8,7 +8,7 @@ use super::flare_pass::FlarePass;
 use super::frame::PASSES;
 use super::{FrameRequest, RenderError};
 use crate::buildings::Building;
-use crate::camera::{AccumulatePass, ToneMapPass};
+use crate::camera::{AccumulatePass, ToneMapPass, Vignetting};
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
 use crate::relief::{ReliefPass, ReliefTargets, building_mesh};
@@ -24,6 +24,9 @@ pub struct Renderer {
     pub(super) accumulate: AccumulatePass,
     pub(super) flare: FlarePass,
     pub(super) tone_map: ToneMapPass,
+    /// Of the last frame's lens, and half of the sensor's part that the frame showed, millimetres.
+    pub(super) vignetting: Option<Vignetting>,
+    pub(super) image_half_mm: [f64; 2],
     pub(super) debug_view: DebugView,
     pub(super) timer: PassTimer,
     size: [u32; 2],
@@ -45,6 +48,8 @@ impl Renderer {
             accumulate: AccumulatePass::new(&gpu),
             flare: FlarePass::new(&gpu),
             tone_map: ToneMapPass::new(&gpu),
+            vignetting: None,
+            image_half_mm: [1.0; 2],
             debug_view: DebugView::new(&gpu),
             timer: PassTimer::new(&gpu, &PASSES),
             size: [0; 2],

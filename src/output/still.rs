@@ -74,10 +74,24 @@ impl Renderer {
             Some(flare) => read_texture::<[f16; 4]>(&self.gpu, &flare.texture)?,
             None => vec![[f16::ZERO; 4]; sum.len()],
         };
-        let pixel = |(sum, added): (&[f32; 4], &[f16; 4])| {
-            std::array::from_fn(|k| sum[k] / samples as f32 + f32::from(added[k].min(f16::MAX)))
+        let [width, height] = self.size().map(f64::from);
+        let mm_per_pixel = 2.0 * self.image_half_mm[1] / height;
+        // Of the city's light; the flare's has been through the lens.
+        let vignetting = |index: usize| {
+            let Some(vignetting) = &self.vignetting else {
+                return 1.0;
+            };
+            let (x, y) = (
+                (index as f64 % width).floor() + 0.5,
+                (index as f64 / width).floor() + 0.5,
+            );
+            vignetting.at((x - 0.5 * width).hypot(y - 0.5 * height) * mm_per_pixel)
         };
-        Ok(sum.iter().zip(&added).map(pixel).collect())
+        let pixel = |(index, (sum, added)): (usize, (&[f32; 4], &[f16; 4]))| {
+            let part = vignetting(index) / samples as f32;
+            std::array::from_fn(|k| sum[k] * part + f32::from(added[k].min(f16::MAX)))
+        };
+        Ok(sum.iter().zip(&added).enumerate().map(pixel).collect())
     }
 
     /// Depth (metres along the view ray, NaN = sky) and ids of the last sample.

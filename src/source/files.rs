@@ -17,52 +17,79 @@ pub fn files_of(path: &Path) -> BTreeSet<PathBuf> {
     files
 }
 
+/// Endings of what lies beside a raster or dataset and is part of it.
+const COMPANIONS: [&str; 18] = [
+    "dbf", "shx", "prj", "cpg", "qpj", "tfw", "tifw", "wld", "jgw", "jpw", "pgw", "j2w", "xml", "ovr", "msk",
+    "gfs", "xsd", "csvt",
+];
+/// Bytes of a file's head that tell whether it is a description of others.
+const HEAD: u64 = 512;
+
 fn collect(path: &Path, depth: usize, files: &mut BTreeSet<PathBuf>) {
     if depth == 0 {
         return;
     }
     if path.is_dir() {
         for entry in std::fs::read_dir(path).into_iter().flatten().flatten() {
-            collect(&entry.path(), depth - 1, files);
+            let ending = entry
+                .path()
+                .extension()
+                .map(|ending| ending.to_string_lossy().to_lowercase());
+            // What an import leaves, and what a program that has a dataset open keeps beside it.
+            let is_passing = ["partial", "previous", "lock"]
+                .iter()
+                .any(|passing| ending.as_deref() == Some(passing));
+            if !is_passing {
+                collect(&entry.path(), depth - 1, files);
+            }
         }
         return;
     }
     if !files.insert(path.to_owned()) {
         return;
     }
-    files.extend(beside(path));
-    let named = gdal_files(path);
-    for file in named {
-        let is_mosaic = file
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("vrt"));
-        if is_mosaic && file != path {
-            collect(&file, depth - 1, files);
-        } else {
-            files.insert(file);
+    files.extend(companions(path));
+    // Only a description names others; to open all would be to read all.
+    if describes_others(path) {
+        for file in gdal_files(path) {
+            if file != path {
+                collect(&file, depth - 1, files);
+            }
         }
     }
 }
 
-/// The file's companions of the same name (.dbf, .prj, world files, `.aux.xml`).
-fn beside(path: &Path) -> impl Iterator<Item = PathBuf> + use<> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
-    let stem = path.file_stem().map(ToOwned::to_owned);
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    entries
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(move |file| {
-            let is_companion = name
-                .as_ref()
-                .zip(file.file_name())
-                .is_some_and(|(name, file)| file.to_string_lossy().starts_with(&format!("{name}.")));
-            let is_lock = file.extension().is_some_and(|ending| ending == "lock");
-            !is_lock && file.is_file() && (file.file_stem() == stem.as_deref() || is_companion)
-        })
+/// The file's companions: of the same name with another ending, or with one more.
+fn companions(path: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    let stem = path.with_extension("");
+    let whole = path.as_os_str().to_owned();
+    let candidates = COMPANIONS.into_iter().flat_map(move |ending| {
+        let with = |base: &std::ffi::OsStr, middle: &str| {
+            let mut name = base.to_owned();
+            name.push(format!("{middle}.{ending}"));
+            PathBuf::from(name)
+        };
+        let upper = stem.with_extension(ending.to_uppercase());
+        [
+            with(stem.as_os_str(), ""),
+            upper,
+            with(&whole, ""),
+            with(&whole, ".aux"),
+        ]
+    });
+    candidates.filter(|file| file.is_file())
+}
+
+/// Whether a file is text that names other files, as GDAL's virtual formats are.
+fn describes_others(path: &Path) -> bool {
+    use std::io::Read;
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+    let text = String::from_utf8_lossy(&head);
+    read.is_ok()
+        && ["VRTDataset", "VRTDataSource", "VRTTI"]
+            .iter()
+            .any(|name| text.contains(name))
 }
 
 /// What GDAL says that it opened; nothing for what it cannot open.

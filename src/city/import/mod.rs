@@ -26,7 +26,7 @@ mod tiles;
 use dataset_of_record::make_footprint_dataset;
 use ground_plan::GroundPlan;
 use levels::{LevelParameters, make_levels};
-use options::{cache_key, changed_source, check_numbers, refuse_inputs_inside};
+use options::{cache_key, check_numbers, refuse_inputs_inside, source_files};
 use plan::{Plan, rejected};
 use progress::{announce, progress};
 use sources::Sources;
@@ -51,7 +51,7 @@ use super::writer::TileWriter;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
 use crate::source::{Footprint, HeightRule};
-use crate::space::TileGrid;
+use crate::space::{Crs, TileGrid};
 
 /// Texels along a tile's side.
 pub const TILE_TEXELS: usize = 512;
@@ -91,12 +91,18 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     check_numbers(options)?;
     let mut warnings = Vec::new();
     let sources = Sources::open(options)?;
+    if !Crs::is_plain_definition(sources.crs.label()) {
+        return Err(CityError::UnfitCrs {
+            crs: sources.crs.label().chars().take(80).collect(),
+        });
+    }
     let (rules, rules_text) = match &options.facades {
         Some(path) => read_rules(path)?,
         None => rules_from_city(&options.out)?,
     };
-    let cache_key = cache_key(options, &rules_text)?;
-    refuse_inputs_inside(options)?;
+    let files = source_files(options);
+    refuse_inputs_inside(options, &files)?;
+    let cache_key = cache_key(options, &rules_text, &files);
     let staging = Staging::open(&options.out, &cache_key.text)?;
     let folder = staging.folder();
 
@@ -212,12 +218,21 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         path: folder.join("city.toml"),
         why: error.to_string(),
     })?;
+    // What could not be opened again is told before it takes the old city's place.
+    if let Err(why) = Manifest::from_text(&text) {
+        return Err(CityError::NotACity {
+            path: options.out.clone(),
+            why,
+        });
+    }
     let path = folder.join(FACADES);
     std::fs::write(&path, &rules_text).map_err(CityError::file(&path))?;
     let path = folder.join("city.toml");
     std::fs::write(&path, text).map_err(CityError::file(&path))?;
-    if let Some(path) = changed_source(options, &rules_text, &cache_key.text)? {
-        return Err(CityError::SourceChanged { path });
+    if let Some(path) = cache_key.changed_file() {
+        return Err(CityError::SourceChanged {
+            path: path.to_owned(),
+        });
     }
     staging.finish()?;
     Ok(ImportReport {

@@ -1,8 +1,10 @@
 //! What an import is asked, and which askings are refused.
 
+use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hasher};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use super::ground_plan::PlanFiles;
 use crate::city::staging::beside;
@@ -96,7 +98,7 @@ impl ImportOptions {
 }
 
 /// The old city is replaced whole, and what an import leaves beside it too: a source inside them would be lost.
-pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
+pub fn refuse_inputs_inside(options: &ImportOptions, sources: &SourceFiles) -> Result<(), CityError> {
     let [partial, previous] = beside(&options.out);
     let folders: Vec<PathBuf> = [&options.out, &partial, &previous]
         .into_iter()
@@ -105,18 +107,26 @@ pub fn refuse_inputs_inside(options: &ImportOptions) -> Result<(), CityError> {
     if folders.is_empty() {
         return Ok(());
     }
-    for input in inputs(options) {
+    for (input, files) in sources {
         let is_inside = |file: &Path| {
             let file = std::fs::canonicalize(file);
             file.is_ok_and(|file| folders.iter().any(|folder| file.starts_with(folder)))
         };
-        if is_inside(input) || files_of(input).iter().any(|file| is_inside(file)) {
-            return Err(CityError::InputInside {
-                path: input.to_owned(),
-            });
+        if is_inside(input) || files.iter().any(|file| is_inside(file)) {
+            return Err(CityError::InputInside { path: input.clone() });
         }
     }
     Ok(())
+}
+
+/// The files that an import's sources are made of, by source.
+pub type SourceFiles = Vec<(PathBuf, BTreeSet<PathBuf>)>;
+
+/// Lists them.
+pub fn source_files(options: &ImportOptions) -> SourceFiles {
+    inputs(options)
+        .map(|path| (path.to_owned(), files_of(path)))
+        .collect()
 }
 
 fn inputs(options: &ImportOptions) -> impl Iterator<Item = &Path> {
@@ -199,12 +209,22 @@ pub struct CacheKey {
     pub text: String,
     /// The sources.
     pub records: Vec<SourceRecord>,
+    /// Size and time of each of their files.
+    stamps: Vec<(PathBuf, Stamp)>,
+}
+
+/// Size and time.
+type Stamp = Option<(u64, Option<SystemTime>)>;
+
+fn stamp(file: &Path) -> Stamp {
+    let data = std::fs::metadata(file).ok()?;
+    Some((data.len(), data.modified().ok()))
 }
 
 /// The options, the facade rules, and size, time and digest of every file of every source: an import with the same cache key makes the
 /// same tiles.
-pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityError> {
-    let mut records = Vec::new();
+pub fn cache_key(options: &ImportOptions, rules: &str, sources: &SourceFiles) -> CacheKey {
+    let (mut records, mut stamps) = (Vec::new(), Vec::new());
     let mut text = format!("rilievo {}\n", env!("CARGO_PKG_VERSION"));
     text += &format!("{options:?}\n{rules}");
     let roles = [
@@ -221,15 +241,11 @@ pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityE
         .flat_map(|(role, paths)| paths.iter().map(move |path| (role, path)))
     {
         let bytes = std::fs::metadata(path).map_or(0, |data| data.len());
-        for file in files_of(path) {
-            let data = std::fs::metadata(&file).ok();
-            let time = data.as_ref().and_then(|data| data.modified().ok());
-            let size = data.map(|data| data.len());
-            text += &format!(
-                "\n{role} {} {size:?} {time:?} {:?}",
-                file.display(),
-                digest(&file)
-            );
+        let files = sources.iter().find(|(known, _)| known == path);
+        for file in files.into_iter().flat_map(|(_, files)| files) {
+            let stamp = stamp(file);
+            text += &format!("\n{role} {} {stamp:?} {:?}", file.display(), digest(file));
+            stamps.push((file.clone(), stamp));
         }
         records.push(SourceRecord {
             role: (*role).to_owned(),
@@ -237,26 +253,19 @@ pub fn cache_key(options: &ImportOptions, rules: &str) -> Result<CacheKey, CityE
             bytes,
         });
     }
-    Ok(CacheKey { text, records })
+    CacheKey {
+        text,
+        records,
+        stamps,
+    }
 }
 
-/// A source whose files are no longer those that an import began with.
-///
-/// # Errors
-/// As `cache_key`.
-pub fn changed_source(
-    options: &ImportOptions,
-    rules: &str,
-    text: &str,
-) -> Result<Option<PathBuf>, CityError> {
-    let now = cache_key(options, rules)?.text;
-    if now == text {
-        return Ok(None);
+impl CacheKey {
+    /// A file of the sources that was written since.
+    pub fn changed_file(&self) -> Option<&Path> {
+        let changed = self.stamps.iter().find(|(file, known)| stamp(file) != *known);
+        changed.map(|(file, _)| file.as_path())
     }
-    let is_new = |line: &&str| !text.lines().any(|known| known == *line);
-    let changed = now.lines().find(is_new).unwrap_or_default();
-    let path = inputs(options).find(|input| changed.contains(&*input.to_string_lossy()));
-    Ok(Some(path.unwrap_or(&options.buildings).to_owned()))
 }
 
 /// Bytes up to which a file is digested whole; of a larger one as many, in pieces spread over it.

@@ -41,7 +41,7 @@ pub fn announce(grid: &TileGrid, terrain_side: usize, built_tiles: usize) {
     let part = built_tiles as f64 / tiles_f;
     if part < 0.1 {
         eprintln!(
-            "import: buildings stand on {:.1} % of them; parts far apart are better imported as cities of their own (or with a smaller --margin)",
+            "import: buildings stand on {:.1} % of them; parts far apart are better imported as cities of their own",
             100.0 * part
         );
     }

@@ -12,7 +12,7 @@ mod parents;
 mod tile_change;
 mod transaction;
 
-pub(super) use lock::CityLock;
+pub(super) use lock::{CityLock, is_at};
 pub(super) use transaction::{COMMITTED, PARTIAL, Pending};
 
 use std::path::PathBuf;

@@ -98,7 +98,10 @@ impl MosaicSource {
         };
         mosaic.measure();
         let [_, _, skew_x, _, skew_y, _] = ground_from_pixel;
-        let is_rotated = skew_x != 0.0 || skew_y != 0.0;
+        // More than rounding: over the whole raster it makes a pixel.
+        let [_, pixel_x, _, _, _, pixel_y] = ground_from_pixel;
+        let is_rotated =
+            skew_x.abs() * height as f64 > pixel_x.abs() || skew_y.abs() * width as f64 > pixel_y.abs();
         if is_rotated && mosaic.pixel_m < MIN_ROTATED_M {
             return Err(unfit(
                 "has very fine pixels that do not lie north up: every tile would be read through all of it",

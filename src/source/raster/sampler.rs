@@ -190,8 +190,8 @@ impl MosaicSampler {
         };
         // Later files lie on top: what they leave open is seen from those below.
         for (index, place) in self.files.iter().enumerate().rev() {
-            self.read_into(&mut window, index, place)?;
-            if window.heights.iter().all(|height| !height.is_nan()) {
+            let is_read = self.read_into(&mut window, index, place)?;
+            if is_read && window.heights.iter().all(|height| !height.is_nan()) {
                 break;
             }
         }
@@ -199,12 +199,12 @@ impl MosaicSampler {
     }
 
     /// Lays a file's known pixels over the window.
-    fn read_into(&self, window: &mut Window, index: usize, place: &MosaicFile) -> Result<(), SourceError> {
+    fn read_into(&self, window: &mut Window, index: usize, place: &MosaicFile) -> Result<bool, SourceError> {
         let from = [0, 1].map(|axis| window.first[axis].max(place.first[axis]));
         let to = [0, 1]
             .map(|axis| (window.first[axis] + window.size[axis]).min(place.first[axis] + place.size[axis]));
         if from[0] >= to[0] || from[1] >= to[1] {
-            return Ok(());
+            return Ok(false);
         }
         let size = (to[0] - from[0], to[1] - from[1]);
         let corner = [0, 1].map(|axis| (from[axis] - place.first[axis]) as isize);
@@ -221,7 +221,7 @@ impl MosaicSampler {
         };
         open.push((index, file));
         let Some((_, file)) = open.last() else {
-            return Ok(());
+            return Ok(false);
         };
         let band = file.dataset.rasterband(1).map_err(bad)?;
         let buffer = band
@@ -238,7 +238,7 @@ impl MosaicSampler {
                 }
             }
         }
-        Ok(())
+        Ok(true)
     }
 }
 

@@ -298,8 +298,6 @@ pub(super) fn open_vector(path: &Path, drivers: Option<&[&str]>) -> Result<Datas
                 | GdalOpenFlags::GDAL_OF_READONLY
                 | GdalOpenFlags::GDAL_OF_VERBOSE_ERROR,
             allowed_drivers: drivers,
-            // GML names its schema by an address.
-            open_options: Some(&["DOWNLOAD_SCHEMA=NO"]),
             ..DatasetOptions::default()
         },
     )

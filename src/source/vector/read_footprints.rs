@@ -79,16 +79,25 @@ impl FootprintSource {
             0
         };
         let mut features = layer.features();
+        let mut last_failure: Option<String> = None;
         loop {
             let mut batch: Vec<Raw> = Vec::new();
             while batch.len() < BATCH {
                 // OGR ends a damaged file like a finished one, and says so with the last feature or after it.
                 reset_gdal_error();
                 let next = features.next();
-                if let Some(why) = gdal_failure() {
+                let failure = gdal_failure();
+                // With a feature it may be that feature's alone, if whole ones follow.
+                if let Some(why) = failure.clone().filter(|_| self.reads_past_damage) {
                     return Err(self.read_error(why));
                 }
-                let Some(feature) = next else { break };
+                let Some(feature) = next else {
+                    if let Some(why) = failure.or(last_failure.take()) {
+                        return Err(self.read_error(why));
+                    }
+                    break;
+                };
+                last_failure = failure;
                 index += 1;
                 let (outline, rejected) = self.outline(&feature, building_field);
                 batch.push(Raw {

@@ -70,16 +70,22 @@ impl Crs {
             && text.len() <= 64;
         let kind = text.split('[').next().unwrap_or_default();
         let is_wkt = text.contains('[') && text.ends_with(']') && is_word(kind, "_");
+        // Nodes of WKT, and parameters of PROJ in them, that name files. Names and remarks between quotes may be anything.
+        let outside_quotes: String = text
+            .split('"')
+            .step_by(2)
+            .collect::<Vec<_>>()
+            .join("")
+            .to_ascii_uppercase();
+        let names_nodes = ["PARAMETERFILE", "EXTENSION"]
+            .iter()
+            .any(|node| outside_quotes.contains(node));
         let upper = text.to_ascii_uppercase();
-        let names_files = [
-            "PARAMETERFILE",
-            "EXTENSION",
-            "NADGRIDS",
-            "GEOIDGRIDS",
-            "://",
-            "/VSI",
-        ];
-        (is_code || is_wkt) && !names_files.iter().any(|name| upper.contains(name))
+        let names_files = ["GRIDS=", "+FILE=", "+MODEL=", "/VSI"]
+            .iter()
+            .any(|name| upper.contains(name))
+            || names_nodes;
+        (is_code || is_wkt) && !names_files
     }
 
     /// Reads `EPSG:n`, WKT, PROJ strings and whatever else PROJ takes for a CRS.

@@ -143,6 +143,8 @@ impl GhostLayer {
         let scale = ImageScale {
             half_mm: DVec2::from_array(half_mm),
             size: DVec2::new(f64::from(size[0]), f64::from(size[1])),
+            // In powers of two, so that a sun that is hidden bit by bit is not planned anew each time.
+            max_white: 2_f64.powi(-(irradiance.iter().fold(1e-6_f64, |a, &b| a.max(b)).log2().ceil() as i32)),
         };
         let is_planned = self.plan.as_ref().is_some_and(|(known, _)| *known == scale);
         if self.frame == Some(frame) && is_planned {

@@ -68,6 +68,8 @@ pub struct ImageScale {
     pub half_mm: DVec2,
     /// Its size, pixels.
     pub size: DVec2,
+    /// Radiance for a light of irradiance 1 that is white at the brightest: of ghosts brighter than that, fainter ones are seen.
+    pub max_white: f64,
 }
 
 impl ImageScale {
@@ -166,6 +168,7 @@ fn steps(ghosts: &[GhostTriangles], scale: &ImageScale) -> Vec<f64> {
             break;
         }
     }
+    let white = white.min(3.0 * scale.max_white).max(f64::MIN_POSITIVE);
     radiance.iter().map(|radiance| radiance / white).collect()
 }
 
