@@ -31,8 +31,8 @@ pub enum Optics {
     Lens(LensOptics),
 }
 
-/// How far beyond the widest an f-number may be: they are named in round figures, such as 2.8 for 2.83.
-const ROUNDED: f64 = 0.03;
+/// How far beyond the widest an f-number may be: they are named in round figures, such as 2.8 for 2.95.
+const ROUNDED: f64 = 0.06;
 
 /// Refuses an f-number that a lens does not open to.
 ///
