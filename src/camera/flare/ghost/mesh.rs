@@ -335,7 +335,6 @@ fn parts(parameters: &FlareParameters<'_>) -> Vec<Part> {
                     fractions(blend, f64::INFINITY)
                 }
                 (FlareMode::Blended, Some(table)) => match table.ghost(ghost) {
-                    Some(_) if blend == Blend::Add => [0.0, 1.0],
                     Some(tabled) => fractions(blend, tabled.nonlinearity_error(source.angle)),
                     None => [1.0, 0.0],
                 },
