@@ -303,7 +303,7 @@ fn blends_pass_from_linear_to_nonlinear() {
                 .count();
             let lit = alone.radiance.iter().filter(|rgb| rgb[1] > 0.0).count();
             println!("{ghost:?}: {off} of {lit} pixels off");
-            assert!(off * 7 <= lit, "{ghost:?}: {off} of {lit}");
+            assert!(off * 8 <= lit, "{ghost:?}: {off} of {lit}");
         } else if nonlinearity_error > 0.002 {
             between += 1;
         }
@@ -572,7 +572,7 @@ fn the_effective_pupil_changes_nothing_but_the_work() {
             whole.mesh.area_mm2 / clipped.mesh.area_mm2
         );
         assert!(
-            differing * 200 < a.len(),
+            differing * 500 < a.len(),
             "{name}: {differing} values differ by more than 1/255"
         );
         assert!(whole.mesh.area_mm2 > 1.5 * clipped.mesh.area_mm2);

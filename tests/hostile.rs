@@ -25,6 +25,17 @@ fn info(city: &Path) -> String {
     refused(&["info", city.to_str().unwrap()])
 }
 
+/// An import of the sample's files with other footprints.
+fn import_of(footprints: &Path, out: &Path) -> Vec<String> {
+    let mut arguments = sample_import(out);
+    let at = arguments
+        .iter()
+        .position(|argument| argument == "--buildings")
+        .unwrap();
+    arguments[at + 1] = footprints.display().to_string();
+    arguments
+}
+
 fn sample_import(out: &Path) -> Vec<String> {
     import_arguments(&sample().join("files"), out)
 }
@@ -67,13 +78,7 @@ fn what_no_import_made_stays() {
     let before = walk(&moved);
     let message = refused(&sample_import(&folder.path().join("d")));
     assert!(message.contains("d.partial"), "{message}");
-    let mut from_it = sample_import(&folder.path().join("d"));
-    let dataset = from_it
-        .iter()
-        .position(|argument| argument == "--buildings")
-        .unwrap()
-        + 1;
-    from_it[dataset] = moved.join("buildings.gpkg").display().to_string();
+    let from_it = import_of(&moved.join("buildings.gpkg"), &folder.path().join("d"));
     let message = refused(&from_it);
     assert!(message.contains("lies inside the city"), "{message}");
     assert_eq!(walk(&moved), before);
@@ -189,13 +194,7 @@ fn no_server_is_asked() {
     ] {
         let path = folder.path().join("service.xml");
         fs::write(&path, text).unwrap();
-        let mut arguments = sample_import(&folder.path().join("c"));
-        let dataset = arguments
-            .iter()
-            .position(|argument| argument == "--buildings")
-            .unwrap()
-            + 1;
-        arguments[dataset] = path.display().to_string();
+        let arguments = import_of(&path, &folder.path().join("c"));
         let output = std::process::Command::new(support::PROGRAM)
             .args(&arguments)
             .env("no_proxy", "")
@@ -333,13 +332,7 @@ fn cut_files_are_refused() {
     }
     let cut = folder.path().join("cut.osm");
     fs::write(&cut, &text[..text.len() * 19 / 20]).unwrap();
-    let mut arguments = sample_import(&folder.path().join("c"));
-    let dataset = arguments
-        .iter()
-        .position(|argument| argument == "--buildings")
-        .unwrap()
-        + 1;
-    arguments[dataset] = cut.display().to_string();
+    let mut arguments = import_of(&cut, &folder.path().join("c"));
     let field = arguments
         .iter()
         .position(|argument| argument == "--height-field")

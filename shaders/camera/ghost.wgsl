@@ -55,7 +55,7 @@ fn disc_part(distance: f32) -> f32 {
 fn fs(in: GhostVertex) -> @location(0) vec4<f32> {
     let height = length(in.barrel);
     // The barrel's edge, one pixel soft at least.
-    let through = disc_part((1.0 - height) / max(in.soft.y, max(0.6 * fwidth(height), 1.0e-6)));
+    let through = disc_part((1.0 - height) / max(in.soft.y, max(0.5 * fwidth(height), 1.0e-6)));
     var open = 0.0;
     if in.soft.x < MIN_SOFTNESS {
         open = textureSampleLevel(aperture, aperture_sampler, 0.5 + 0.5 * in.stop / MASK_EXTENT, 0.0).x;

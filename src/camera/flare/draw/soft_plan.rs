@@ -98,8 +98,8 @@ impl SoftPlan {
         for (index, ghost) in ghosts.iter().enumerate() {
             let radius_px = ghost.radius_mm * scale.pixels_per_mm();
             let is_in_iris = ghost.in_iris.is_some() || radius_px < SHARP_TO;
-            let least_texels = if is_in_iris { IRIS_TEXELS } else { SENSOR_TEXELS };
-            let mut level = doublings(radius_px / least_texels, max_level);
+            let min_texels = if is_in_iris { IRIS_TEXELS } else { SENSOR_TEXELS };
+            let mut level = doublings(radius_px / min_texels, max_level);
             if is_in_iris && radius_px > SHARP_TO {
                 level = (level + doublings(FAINT_STEP / steps[index], MAX_FAINT)).min(max_level);
             }
@@ -111,13 +111,14 @@ impl SoftPlan {
             };
             let [min, max] = ghost.bounds_mm;
             let size_px = ((max - min) * scale.pixels_per_mm()).max(DVec2::splat(1e-6));
-            let least_texels = if radius_px > SHARP_TO { MIN_TEXELS } else { 1.0 };
-            let least_px = least_texels * f64::from(1_u32 << drawn_level);
+            // A sharp ghost is drawn as it is.
+            let drawn_texels = if radius_px > SHARP_TO { MIN_TEXELS } else { 0.0 };
+            let min_px = drawn_texels * f64::from(1_u32 << drawn_level);
             plan.enlarged.push(Enlarged {
                 centre_mm: 0.5 * (min + max),
-                by: (least_px / size_px).max(DVec2::ONE),
+                by: (min_px / size_px).max(DVec2::ONE),
             });
-            let pad = radius_px + 2.0 * least_px;
+            let pad = radius_px + 2.0 * min_px + 1.0;
             let corners = [scale.pixel(min), scale.pixel(max)];
             let bounds = [corners[0].min(corners[1]) - pad, corners[0].max(corners[1]) + pad];
             if bounds[1].min_element() < 0.0 || (bounds[0] - scale.size).max_element() > 0.0 {

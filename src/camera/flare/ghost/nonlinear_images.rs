@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::blend::{Fit, fitted};
+use super::blend::{Blend, Fit, fitted};
 use super::grid::{CLOSER_LOOKS, GridDrawing, MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use super::linear::{LinearGhost, MAX_SOFTNESS};
 use super::parameters::{FlareMode, FlareParameters};
@@ -89,10 +89,10 @@ impl Context<'_> {
             .unwrap_or_else(|| Softness::linear(&linear, &source))
     }
 
-    /// Rays along an edge of a ghost's grid: all that are asked for in the exact mode, else as many as it needs.
+    /// Rays along an edge of a ghost's grid: all that are asked for in the exact mode and where it hides others, else as many as it needs.
     fn rays_needed(&self, known: &RayGrid, window: [DVec2; 2], softness: &Softness, finer: usize) -> usize {
         let FlareParameters { lens, ghosts, .. } = *self.parameters;
-        if ghosts.mode == FlareMode::Exact {
+        if ghosts.mode == FlareMode::Exact || ghosts.blend == Blend::Alpha {
             return ghosts.rays.max(2);
         }
         let half_diagonal_mm = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
