@@ -89,7 +89,10 @@ impl Staging {
         let marker = folder.join(CACHE_KEY);
         if fs::symlink_metadata(&folder).is_ok() {
             refuse_foreign(&folder, &[FILES.as_slice(), &[JOURNAL]].concat())?;
-            let is_empty = fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_none());
+            // At most the marker was begun.
+            let is_empty = fs::read_dir(&folder).is_ok_and(|mut entries| {
+                entries.all(|entry| entry.is_ok_and(|entry| entry.file_name() == NEW_KEY))
+            });
             if !has_marker(&folder, MARK) && !is_empty {
                 // No import left it: a city that somebody moved there.
                 return Err(CityError::Foreign { path: folder });
@@ -161,8 +164,11 @@ fn has_marker(folder: &Path, begin: &str) -> bool {
 /// Writes a folder's marker in one step.
 fn write_marker(folder: &Path, text: &str) -> Result<(), CityError> {
     let (marker, partial) = (folder.join(CACHE_KEY), folder.join(NEW_KEY));
-    fs::write(&partial, text).map_err(CityError::file(&partial))?;
-    fs::rename(&partial, &marker).map_err(CityError::file(&marker))
+    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, &marker));
+    written.map_err(|error| {
+        let _ = fs::remove_file(&partial);
+        CityError::file(&marker)(error)
+    })
 }
 
 /// Removes a folder of an import, its marker last: whenever this is stopped, what is left can be removed too.

@@ -15,7 +15,7 @@ use super::landscape::{HEIGHT_M, WIDTH_M, ground};
 use super::orthophoto::paint;
 use super::region::Region;
 use super::town::Town;
-use crate::source::{SourceError, gdal_reference};
+use crate::source::{SourceError, gdal_reference, gdal_says};
 use crate::space::Crs;
 
 /// The files written.
@@ -107,7 +107,7 @@ pub fn write_sample(folder: &Path) -> Result<SampleFiles, SourceError> {
 fn write_error(path: &Path) -> impl Fn(gdal::errors::GdalError) -> SourceError + use<'_> {
     |error| SourceError::Write {
         path: path.to_owned(),
-        why: error.to_string(),
+        why: gdal_says(&error),
     }
 }
 

@@ -147,8 +147,31 @@ pub fn gdal_says(error: &gdal::errors::GdalError) -> String {
     use gdal::errors::GdalError;
     match error {
         GdalError::NullPointer { msg, .. } | GdalError::CplError { msg, .. } if !msg.is_empty() => {
-            msg.trim_end_matches('.').to_owned()
+            plainly(msg)
         }
         other => other.to_string(),
+    }
+}
+
+/// GDAL's last message on this thread when it was a failure: OGR ends a damaged file like a finished one.
+pub fn gdal_failure() -> Option<String> {
+    // SAFETY: the message is GDAL's thread-local buffer, copied at once.
+    unsafe {
+        let failed = gdal_sys::CPLGetLastErrorType() >= gdal_sys::CPLErr::CE_Failure;
+        let message = std::ffi::CStr::from_ptr(gdal_sys::CPLGetLastErrorMsg());
+        failed.then(|| plainly(&message.to_string_lossy()))
+    }
+}
+
+/// The end of a message that begins with a whole statement.
+fn plainly(msg: &str) -> String {
+    // SQLite's refusals stand behind the whole statement.
+    let said = match msg.starts_with("sqlite3_exec(") {
+        true => msg.rsplit(") failed: ").next().unwrap_or(msg),
+        false => msg,
+    };
+    match said.trim_end_matches('.') {
+        said if said.ends_with("disk is full") => "no space left on the disk".to_owned(),
+        said => said.to_owned(),
     }
 }

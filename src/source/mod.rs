@@ -15,8 +15,8 @@ mod spatial_reference;
 mod vector;
 
 pub use crs_choice::CrsChoice;
-use error::gdal_says;
-pub use error::{SourceError, SourceRole};
+use error::gdal_failure;
+pub use error::{SourceError, SourceRole, gdal_says};
 pub use files::files_of;
 pub use footprint::{BuildingTraits, Footprint, HeightOrigin, RoofSpec};
 pub use height_rule::{HeightField, HeightReading, HeightRule};

@@ -1,6 +1,7 @@
 //! What several test files need: the sample city, the program, and an independent ray caster.
 #![allow(dead_code)]
 
+pub mod random;
 pub mod raycaster;
 pub mod records;
 pub mod survey;

@@ -7,7 +7,7 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 
 use super::FootprintSource;
 use super::footprint_dataset::{LAYER, fix_dataset_date};
-use crate::source::{SourceError, gdal_says};
+use crate::source::{SourceError, gdal_failure, gdal_says};
 
 /// An open footprint dataset.
 pub struct FootprintDatasetEditor {
@@ -83,7 +83,7 @@ impl FootprintDatasetEditor {
                 }
             };
             if status != gdal_sys::OGRErr::OGRERR_NONE {
-                return Err(self.error(format!("building {fid} could not be written")));
+                return Err(self.refused(&format!("building {fid} could not be written")));
             }
         }
         Ok(())
@@ -100,7 +100,7 @@ impl FootprintDatasetEditor {
                 // SAFETY: the layer is open for writing.
                 let status = unsafe { gdal_sys::OGR_L_DeleteFeature(layer.c_layer(), i64::from(fid)) };
                 if status != gdal_sys::OGRErr::OGRERR_NONE {
-                    return Err(self.error(format!("feature {fid} could not be removed")));
+                    return Err(self.refused(&format!("feature {fid} could not be removed")));
                 }
             }
         }
@@ -121,8 +121,13 @@ impl FootprintDatasetEditor {
             .map_err(|error| self.error(error))
     }
 
-    fn error(&self, why: impl ToString) -> SourceError {
-        write_error(&self.path, why.to_string())
+    fn error(&self, error: gdal::errors::GdalError) -> SourceError {
+        write_error(&self.path, gdal_says(&error))
+    }
+
+    /// Without a reason from GDAL `what` alone.
+    fn refused(&self, what: &str) -> SourceError {
+        write_error(&self.path, gdal_failure().unwrap_or_else(|| what.to_owned()))
     }
 }
 

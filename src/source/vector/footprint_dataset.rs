@@ -8,7 +8,7 @@ use geo::MultiPolygon;
 
 use super::FootprintSource;
 use super::feature::wkb_of;
-use crate::source::{Footprint, HeightRule, SourceError, gdal_reference, gdal_says};
+use crate::source::{Footprint, HeightRule, SourceError, gdal_failure, gdal_reference, gdal_says};
 use crate::space::Crs;
 
 /// Name of the one layer.
@@ -93,10 +93,10 @@ impl FootprintDatasetWriter {
         })
     }
 
-    fn error(&self, why: impl ToString) -> SourceError {
+    fn error(&self, error: gdal::errors::GdalError) -> SourceError {
         SourceError::Write {
             path: self.path.clone(),
-            why: why.to_string(),
+            why: gdal_says(&error),
         }
     }
 
@@ -205,12 +205,12 @@ pub(super) fn commit(path: PathBuf, dataset: Dataset) -> Result<(), SourceError>
     let status = unsafe { gdal_sys::GDALDatasetCommitTransaction(dataset.c_dataset()) };
     let closed = dataset.close();
     if status != gdal_sys::OGRErr::OGRERR_NONE {
-        let why = "the transaction was refused".to_owned();
+        let why = gdal_failure().unwrap_or_else(|| "the transaction was refused".to_owned());
         return Err(SourceError::Write { path, why });
     }
     closed.map_err(|error| SourceError::Write {
         path,
-        why: error.to_string(),
+        why: gdal_says(&error),
     })
 }
 

@@ -15,7 +15,9 @@ use super::heights::{HeightReader, ReadHeight};
 use super::outline::Outline;
 use super::traits::TraitReader;
 use super::{FootprintDatasetWriter, FootprintReport, FootprintSource};
-use crate::source::{BuildingTraits, Footprint, HeightRule, SourceError, SourceRole, gdal_says};
+use crate::source::{
+    BuildingTraits, Footprint, HeightRule, SourceError, SourceRole, gdal_failure, gdal_says,
+};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// A cleaned outline with what was changed, or why there is none.
@@ -372,14 +374,4 @@ fn fingerprint(outline: &MultiPolygon<f64>) -> u64 {
 fn reset_gdal_error() {
     // SAFETY: no arguments, thread-local state.
     unsafe { gdal_sys::CPLErrorReset() };
-}
-
-/// GDAL's last message when it was a failure: OGR ends a damaged file like a finished one.
-fn gdal_failure() -> Option<String> {
-    // SAFETY: the message is GDAL's thread-local buffer, copied at once.
-    unsafe {
-        let failed = gdal_sys::CPLGetLastErrorType() >= gdal_sys::CPLErr::CE_Failure;
-        let message = std::ffi::CStr::from_ptr(gdal_sys::CPLGetLastErrorMsg());
-        failed.then(|| message.to_string_lossy().into_owned())
-    }
 }
