@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use rilievo::camera::flare::{
     Aperture, FlareImage, FlareImager, FlareLight, FlareMode, FlareParameters, FlareRequest, FlareSource,
-    FlareTable, GhostParameters, ImageKnots, Quality, TableFile, Tracing, bake_images, flare_mesh,
+    FlareTable, GhostParameters, GhostTable, ImageKnots, Quality, Tracing, bake_images, flare_mesh,
     open_table, table_from_photos, write_table,
 };
 use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
@@ -185,6 +185,134 @@ fn quarter(radiance: &[[f32; 3]]) -> Vec<[f32; 3]> {
         .collect()
 }
 
+/// KR 10-1658883, claims 3 and 16 (patterns out of photos and out of a video of the light's passage), 14 and 20 (traced patterns, of one
+/// angle and of two, and photographed ones in one table), 4 and 17 (the choice between them when they are drawn).
+#[test]
+fn one_table_holds_traced_and_photographed_patterns() {
+    let gpu = Gpu::open().unwrap();
+    let mut imager = FlareImager::new(&gpu);
+    let lens = lens("tessar");
+    let folder = tempfile::tempdir().unwrap();
+    let half_mm = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
+    let base = request(&lens, ghosts(FlareMode::Blended, None), CIRCLE, half_mm);
+    // A light that passes from 4 to 8 degrees, a picture at every degree, one a second.
+    let mut list = "file,theta_deg\n".to_owned();
+    for degrees in 4..=8 {
+        let light = FlareLight::point(f64::from(degrees).to_radians(), 0.0);
+        let shot = imager
+            .draw(
+                &FlareRequest {
+                    light,
+                    ..base.clone()
+                },
+                SIZE,
+            )
+            .unwrap();
+        let peak = shot
+            .radiance
+            .iter()
+            .flatten()
+            .fold(0.0_f32, |most, &v| most.max(v));
+        let photo: Vec<u8> = shot
+            .radiance
+            .iter()
+            .flat_map(|rgb| {
+                let [r, g, b] = rgb.map(|v| srgb(v / peak));
+                [r, g, b, 255]
+            })
+            .collect();
+        write_png(&folder.path().join(format!("{degrees}.png")), SIZE, &photo).unwrap();
+        list += &format!("{degrees}.png,{degrees}\n");
+    }
+    let list_file = folder.path().join("list.csv");
+    std::fs::write(&list_file, list).unwrap();
+    let photos = table_from_photos(&list_file, None, 2.0 * half_mm, 1.0, false).unwrap();
+    let video = folder.path().join("passage.mov");
+    let encoded = std::process::Command::new("ffmpeg")
+        .args([
+            "-loglevel",
+            "error",
+            "-framerate",
+            "1",
+            "-start_number",
+            "4",
+            "-i",
+        ])
+        .arg(folder.path().join("%d.png"))
+        .args(["-c:v", "png"])
+        .arg(&video)
+        .status();
+    assert!(encoded.unwrap().success(), "ffmpeg, which films need too");
+    let passage = "file,theta_deg,at_s\npassage.mov,4,0\npassage.mov,8,4\n";
+    std::fs::write(&list_file, passage).unwrap();
+    let filmed = table_from_photos(&list_file, None, 2.0 * half_mm, 1.0, false).unwrap();
+    assert_eq!(filmed.len(), 5);
+    for degrees in 4..=8 {
+        let angle = f64::from(degrees).to_radians();
+        let [seen, kept] = [&filmed, &photos].map(|table| {
+            let shown = table.evaluate(angle, 0.0);
+            let most = shown
+                .iter()
+                .max_by(|a, b| a.fraction.total_cmp(&b.fraction))
+                .unwrap();
+            assert!(most.fraction > 0.999_999);
+            most.image.radiance()
+        });
+        let off = seen
+            .iter()
+            .flatten()
+            .zip(kept.iter().flatten())
+            .map(|(a, b)| (a - b).abs());
+        let most = off.fold(0.0_f32, f32::max);
+        println!("{degrees}: {most}");
+        assert!(
+            seen.len() == kept.len() && most < 0.01,
+            "{degrees} degrees: another picture, by {most}"
+        );
+    }
+
+    let stored = |table: &GhostTable, name: &str| {
+        let path = folder.path().join(name);
+        write_table(&path, &lens, table.clone()).unwrap();
+        let opened = open_table(&path, &lens, 8.0).unwrap();
+        assert!(opened == *table, "{name}");
+        Arc::new(opened)
+    };
+    let knots = ImageKnots {
+        max_angle: 0.2,
+        angles: 3,
+        azimuths: 2,
+        size: 120,
+    };
+    for traced in [
+        GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap()),
+        GhostTable::of_images(bake_images(&mut imager, &base, knots).unwrap()),
+    ] {
+        let both = stored(&traced.clone().with_photos(Some(filmed.clone())), "both");
+        let [traced, photographed] =
+            [traced, GhostTable::of_photos(filmed.clone())].map(|table| stored(&table, "one"));
+        let mut draw = |table: &Arc<GhostTable>, photographed: bool| {
+            let request = FlareRequest {
+                table: Some(Arc::clone(table)),
+                ghosts: base.ghosts.map(|ghosts| GhostParameters {
+                    photographed,
+                    ..ghosts
+                }),
+                light: FlareLight::point(5.6_f64.to_radians(), 0.4),
+                ..base.clone()
+            };
+            imager.draw(&request, SIZE).unwrap().radiance
+        };
+        let shown = [false, true].map(|choice| draw(&both, choice));
+        assert!(shown[0] == draw(&traced, false), "the traced part is another");
+        assert!(
+            shown[1] == draw(&photographed, false),
+            "the photographed part is another"
+        );
+        assert!(shown[0] != shown[1]);
+    }
+}
+
 /// KR 10-1658883, claims 5 and 18 (the pattern of an angle, rotated about the axis by the light's azimuth), 10 and 11 (tables of photos, and
 /// of images over two angles, out of their files).
 #[test]
@@ -195,12 +323,12 @@ fn patterns_turn_with_the_light() {
     let folder = tempfile::tempdir().unwrap();
     let half_mm = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
     let base = request(&lens, ghosts(FlareMode::Blended, None), CIRCLE, half_mm);
-    let at = |azimuth: f64, table: Option<&Arc<TableFile>>| FlareRequest {
+    let at = |azimuth: f64, table: Option<&Arc<GhostTable>>| FlareRequest {
         light: FlareLight::point(0.17, azimuth),
         table: table.cloned(),
         ..base.clone()
     };
-    let stored = |table: TableFile, name: &str| {
+    let stored = |table: GhostTable, name: &str| {
         let path = folder.path().join(name);
         write_table(&path, &lens, table.clone()).unwrap();
         let opened = open_table(&path, &lens, 8.0).unwrap();
@@ -208,7 +336,7 @@ fn patterns_turn_with_the_light() {
         Arc::new(opened)
     };
     let rays = stored(
-        TableFile::Rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap()),
+        GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap()),
         "rays",
     );
     let knots = ImageKnots {
@@ -218,7 +346,7 @@ fn patterns_turn_with_the_light() {
         size: 240,
     };
     let images = stored(
-        TableFile::Images(bake_images(&mut imager, &base, knots).unwrap()),
+        GhostTable::of_images(bake_images(&mut imager, &base, knots).unwrap()),
         "images",
     );
     let shot = imager.draw(&at(0.0, None), SIZE).unwrap();
@@ -248,7 +376,7 @@ fn patterns_turn_with_the_light() {
     )
     .unwrap();
     let photos = table_from_photos(&list, None, 2.0 * half_mm, peak, false).unwrap();
-    let photos = stored(TableFile::Images(photos), "photos");
+    let photos = stored(GhostTable::of_photos(photos), "photos");
     for (name, table) in [("rays", &rays), ("images", &images), ("photos", &photos)] {
         let first = imager.draw(&at(0.0, Some(table)), SIZE).unwrap();
         let turned = imager.draw(&at(FRAC_PI_2, Some(table)), SIZE).unwrap();

@@ -317,7 +317,7 @@ fn a_source_that_vanishes_makes_no_city() {
             fs::copy(&path, files.join(path.file_name().unwrap())).unwrap();
         }
         let city = folder.path().join("city");
-        let mut program = Command::new(PROGRAM)
+        let program = Command::new(PROGRAM)
             .args(import_arguments(&files, &city))
             .stderr(Stdio::piped())
             .spawn()

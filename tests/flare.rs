@@ -10,9 +10,9 @@ use glam::DVec2;
 use num_complex::Complex64;
 use rilievo::camera::flare::{
     Aperture, Blend, CacheFills, Diffraction, Fit, FlareEffect, FlareImage, FlareImager, FlareLight,
-    FlareMode, FlareParameters, FlareRequest, FlareSource, FlareTable, GhostParameters, ImageKnots, Quality,
-    StarburstParameters, TableFile, Tracing, bake_images, fft_2d, film_half_mm, flare_mesh, open_table,
-    spectrum, table_from_photos, write_table,
+    FlareMode, FlareParameters, FlareRequest, FlareSource, FlareTable, GhostParameters, GhostTable,
+    ImageKnots, Quality, StarburstParameters, Tracing, bake_images, fft_2d, film_half_mm, flare_mesh,
+    open_table, spectrum, table_from_photos, write_table,
 };
 use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
 use rilievo::camera::{
@@ -188,7 +188,7 @@ fn the_table_comes_near_dense_exact_rays() {
     for name in ["heliar", "tessar", "angenieux"] {
         let lens = lens(name);
         let path = folder.path().join(name);
-        let baked = TableFile::Rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap());
+        let baked = GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap());
         let bytes = write_table(&path, &lens, baked.clone()).unwrap();
         assert!(bytes < 4_000_000, "{name}: {bytes} bytes");
         let opened = open_table(&path, &lens, 8.0).unwrap();
@@ -214,7 +214,7 @@ fn the_table_comes_near_dense_exact_rays() {
 fn damaged_tables_and_other_lenses_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.flare");
-    let table = TableFile::Rays(FlareTable::bake(&lens("tessar"), 8.0, 0.3).unwrap());
+    let table = GhostTable::of_rays(FlareTable::bake(&lens("tessar"), 8.0, 0.3).unwrap());
     write_table(&path, &lens("tessar"), table).unwrap();
     let refusal = |path: &std::path::Path, name| open_table(path, &lens(name), 8.0).unwrap_err().to_string();
     assert!(refusal(&path, "heliar").contains("another lens"));
@@ -410,7 +410,7 @@ fn tables_of_images_give_what_was_recorded() {
     let mut imager = FlareImager::new(&gpu);
     let lens = lens("tessar");
     let base = request(&lens, 0.0, 8.0, ghosts(FlareMode::Blended, 24));
-    let at = |angle: f64, azimuth: f64, table: Option<&Arc<TableFile>>| FlareRequest {
+    let at = |angle: f64, azimuth: f64, table: Option<&Arc<GhostTable>>| FlareRequest {
         light: FlareLight::point(angle, azimuth),
         table: table.cloned(),
         ..base.clone()
@@ -423,7 +423,7 @@ fn tables_of_images_give_what_was_recorded() {
     };
     let table = bake_images(&mut imager, &base, knots).unwrap();
     assert_eq!(table.len(), 16);
-    let table = Arc::new(TableFile::Images(table));
+    let table = Arc::new(GhostTable::of_images(table));
     let (angle, azimuth) = (0.2, TAU / 4.0);
     let whole = imager.draw(&at(angle, azimuth, None), SIZE).unwrap();
     let evaluated = imager.draw(&at(angle, azimuth, Some(&table)), SIZE).unwrap();
@@ -462,7 +462,7 @@ fn tables_of_images_give_what_was_recorded() {
     let path = folder.path().join("list.csv");
     std::fs::write(&path, list).unwrap();
     let photos = table_from_photos(&path, None, lens.film_mm[0], 1.0, false).unwrap();
-    let photos = Arc::new(TableFile::Images(photos));
+    let photos = Arc::new(GhostTable::of_photos(photos));
     let mut evaluate = |degrees: f64| {
         let request = at(degrees.to_radians(), 0.0, Some(&photos));
         imager.draw(&request, SIZE).unwrap().radiance

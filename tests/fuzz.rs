@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use rilievo::camera::flare::{FlareTable, TableFile, open_table, write_table};
+use rilievo::camera::flare::{FlareTable, GhostTable, open_table, write_table};
 use rilievo::camera::lens::{built_in, open, to_toml};
 use rilievo::camera::{Paraxial, Tracer, beam_direction, single_crossing_ghosts};
 use rilievo::city::{City, Layer};
@@ -154,7 +154,7 @@ fn flare_tables() {
     let folder = tempfile::tempdir().unwrap();
     let lens = Arc::new(built_in("tessar").unwrap().unwrap());
     let path = folder.path().join("t.flare");
-    let baked = TableFile::Rays(FlareTable::bake(&lens, 8.0, 0.2).unwrap());
+    let baked = GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.2).unwrap());
     write_table(&path, &lens, baked).unwrap();
     let packed = fs::read(&path).unwrap();
     // The packing's checksum refuses most: what is inside is changed too.
@@ -181,7 +181,7 @@ fn flare_tables() {
         };
         sound += 1;
         for angle in [0.0, 0.07, 0.19] {
-            if let (Some(rays), ..) = table.at(angle) {
+            if let Some(rays) = table.at(angle, false).rays {
                 for ghost in single_crossing_ghosts(&lens) {
                     if let Some(evaluated) = rays.ghost(ghost).and_then(|ghost| ghost.at(angle)) {
                         let _ = evaluated.grid(0.55, 8);

@@ -4,7 +4,7 @@
 mod support;
 
 use glam::{DVec2, DVec3};
-use rilievo::camera::lens::{BUILT_IN, D_LINE_UM, Lens, built_in};
+use rilievo::camera::lens::{BUILT_IN, D_LINE_UM, Lens, open};
 use rilievo::camera::{Bundle, Paraxial, RayPass, Tracer, beam_direction, single_crossing_ghosts};
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
@@ -69,8 +69,11 @@ fn cpu_and_gpu_rays_through_lenses_agree() {
     const SIDE: usize = 15;
     let gpu = Gpu::open().unwrap();
     let pass = RayPass::new(&gpu);
-    for (name, _) in BUILT_IN {
-        let lens = built_in(name).unwrap().unwrap();
+    let fixtures = ["phone", "phone_plastic", "retrofocus", "topogon"]
+        .map(|name| format!("{}/tests/fixtures/lenses/{name}.toml", env!("CARGO_MANIFEST_DIR")));
+    let built_in = BUILT_IN.iter().map(|(name, _)| (*name).to_owned());
+    for name in built_in.chain(fixtures) {
+        let lens = open(&name).unwrap();
         let gap = Paraxial::new(&lens, D_LINE_UM, None).sensor_gap_mm();
         let pixel_mm = lens.film_mm[0] / 1280.0;
         let front_mm = lens.clear_radius(0).min(30.0);

@@ -39,7 +39,9 @@ struct RayRecord {
 @group(0) @binding(1) var<storage, read> films: array<vec2<f32>>;
 @group(0) @binding(2) var<storage, read> terms: array<f32>;
 
-const NEWTON_STEPS: u32 = 8u;
+const NEWTON_STEPS: u32 = 24u;
+// Last step, millimetres, with which the surface counts as met.
+const MEETING_MM: f32 = 1.0e-3;
 
 // Height over the vertex plane, and the gradient over x, y; z is 0 where there is no surface.
 fn sag_and_slope(face: InterfaceRecord, square: f32) -> vec3<f32> {
@@ -77,16 +79,23 @@ fn meet(face: InterfaceRecord, start: vec3<f32>, d: vec3<f32>) -> vec4<f32> {
     let f = c * dot(on_plane.xy, on_plane.xy);
     let g = d.z - c * dot(on_plane.xy, d.xy);
     let square = g * g - c * f * (1.0 + face.conic * d.z * d.z);
-    if square < 0.0 { return vec4<f32>(0.0); }
-    let root = select(-sqrt(square), sqrt(square), d.z >= 0.0);
-    var at = on_plane + d * (f / (g + root));
+    let is_missed = square < 0.0;
+    if is_missed && face.term_count == 0u { return vec4<f32>(0.0); }
+    let length = sqrt(max(square, 0.0));
+    let root = select(-length, length, d.z >= 0.0);
+    // An asphere may be met where its conic alone is missed.
+    var at = on_plane + select(d * (f / (g + root)), vec3<f32>(0.0), is_missed);
     if face.term_count > 0u {
+        var step = 0.0;
         for (var i = 0u; i < NEWTON_STEPS; i += 1u) {
             let surface = sag_and_slope(face, dot(at.xy, at.xy));
             if surface.z == 0.0 { return vec4<f32>(0.0); }
             let normal = normal_at(face, at);
-            at -= d * ((at.z - surface.x) * normal.z / dot(normal, d));
+            step = (at.z - surface.x) * normal.z / dot(normal, d);
+            at -= d * step;
+            if abs(step) < 1.0e-6 { break; }
         }
+        if abs(step) > MEETING_MM { return vec4<f32>(0.0); }
     }
     return vec4<f32>(at, 1.0);
 }

@@ -158,6 +158,10 @@ impl<'a> Tracer<'a> {
     }
 }
 
+/// Steps of a ray towards an asphere, at most; and the one, millimetres, at which it is met.
+const MOST_NEWTON_STEPS: u32 = 50;
+const NEWTON_STEP_MM: f64 = 1e-11;
+
 /// Where a ray meets a surface, in the vertex's coordinates; behind the start too, as sequential tracing has it.
 fn meet(surface: &Surface, start: DVec3, d: DVec3) -> Option<DVec3> {
     if d.z == 0.0 {
@@ -176,23 +180,23 @@ fn meet(surface: &Surface, start: DVec3, d: DVec3) -> Option<DVec3> {
     let f = c * on_plane.xy().length_squared();
     let g = d.z - c * on_plane.xy().dot(d.xy());
     let square = g * g - c * f * (1.0 + surface.conic * d.z * d.z);
-    if square < 0.0 {
-        return None;
+    let on_conic = (square >= 0.0).then(|| on_plane + d * (f / (g + square.sqrt().copysign(d.z))));
+    if surface.aspheric.is_empty() {
+        return on_conic.filter(|at| at.is_finite());
     }
-    let mut at = on_plane + d * (f / (g + square.sqrt().copysign(d.z)));
-    if !surface.aspheric.is_empty() {
-        for _ in 0..50 {
-            let (sag, _) = sag_and_slope(surface, at.xy())?;
-            let normal = normal_at(surface, at);
-            // Newton: the height over the surface, over its change along the ray.
-            let step = (at.z - sag) * normal.z / normal.dot(d);
-            at -= d * step;
-            if step.abs() < 1e-13 {
-                break;
-            }
+    // An asphere may be met where its conic alone is missed.
+    let mut at = on_conic.unwrap_or(on_plane);
+    for _ in 0..MOST_NEWTON_STEPS {
+        let (sag, _) = sag_and_slope(surface, at.xy())?;
+        let normal = normal_at(surface, at);
+        // Newton: the height over the surface, over its change along the ray.
+        let step = (at.z - sag) * normal.z / normal.dot(d);
+        at -= d * step;
+        if step.abs() < NEWTON_STEP_MM {
+            return at.is_finite().then_some(at);
         }
     }
-    at.is_finite().then_some(at)
+    None
 }
 
 impl Surface {

@@ -8,7 +8,7 @@ use super::CommandError;
 use super::statistics::median;
 use crate::camera::flare::{
     Aperture, FlareImager, FlareLight, FlareMode, FlareParameters, FlareRequest, FlareSource, FlareTable,
-    GhostParameters, Quality, TableFile, Tracing, area_on_film, film_half_mm, flare_mesh,
+    GhostParameters, GhostTable, Quality, Tracing, area_on_film, film_half_mm, flare_mesh,
 };
 use crate::camera::lens::{BUILT_IN, built_in};
 use crate::camera::single_crossing_ghosts;
@@ -52,7 +52,7 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         let bake_ms = start.elapsed().as_secs_f64() * 1e3;
         let bytes = table.bytes();
         let tabled = table.len();
-        let table = Arc::new(TableFile::Rays(table));
+        let table = Arc::new(GhostTable::of_rays(table));
         let ghosts = |mode, whole_entrance| GhostParameters {
             mode,
             rays: RAYS,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::CommandError;
 use crate::camera::flare::{
-    Aperture, Blend, Fit, FlareMode, GhostParameters, Preset, Quality, TableFile, open_table,
+    Aperture, Blend, Fit, FlareMode, GhostParameters, GhostTable, Preset, Quality, open_table,
 };
 use crate::camera::lens::Lens;
 use crate::output::FlareSettings;
@@ -37,6 +37,9 @@ pub struct FlareFlags {
     /// Draw from a table that `rilievo lens bake` made.
     #[arg(long, requires = "lens")]
     flare_table: Option<PathBuf>,
+    /// Of a table that holds traced and photographed ghosts, draw the photographed ones.
+    #[arg(long, requires = "flare_table")]
+    pub photographed: bool,
 }
 
 impl FlareFlags {
@@ -69,7 +72,12 @@ impl FlareFlags {
     ///
     /// # Errors
     /// When it does not fit the lens or the other flags.
-    pub fn table(&self, lens: &Lens, f_number: f64) -> Result<Option<TableFile>, CommandError> {
+    pub fn table(
+        &self,
+        lens: &Lens,
+        f_number: f64,
+        aperture: Aperture,
+    ) -> Result<Option<GhostTable>, CommandError> {
         let Some(path) = &self.flare_table else {
             return Ok(None);
         };
@@ -79,7 +87,24 @@ impl FlareFlags {
             ));
         }
         let table = open_table(path, lens, f_number)?;
-        if matches!(table, TableFile::Images(_)) && (self.blend != Blend::Add || !self.fit.is_empty()) {
+        if self.photographed && table.photographed.is_none() {
+            return Err(CommandError::Argument(format!(
+                "{}: holds no photographed ghosts; leave out --photographed",
+                path.display()
+            )));
+        }
+        if let Some(drawn) = table
+            .aperture()
+            .filter(|drawn| !drawn.has_shape_of(&aperture) && !self.photographed)
+        {
+            return Err(CommandError::Argument(format!(
+                "{}: its images show an iris of {} blades; give --blades {}",
+                path.display(),
+                drawn.blades,
+                drawn.blades
+            )));
+        }
+        if table.plays_images(self.photographed) && (self.blend != Blend::Add || !self.fit.is_empty()) {
             return Err(CommandError::Argument(format!(
                 "{}: holds images, which can only be added; leave out --blend and --fit",
                 path.display()
@@ -105,10 +130,11 @@ impl FlareFlags {
             ghosts: ghosts.then(|| GhostParameters {
                 blend: self.blend,
                 fit: self.fit(),
+                photographed: self.photographed,
                 ..preset.ghosts()
             }),
             starburst: preset.starburst(),
-            table: self.table(lens, f_number)?.map(Arc::new),
+            table: self.table(lens, f_number, aperture)?.map(Arc::new),
         })
     }
 

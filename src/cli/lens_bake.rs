@@ -1,13 +1,13 @@
-//! `rilievo lens bake`: a lens's ghosts recorded beforehand, traced, drawn or photographed.
+//! `rilievo lens bake`: a lens's ghosts recorded beforehand: traced or drawn, photographed, or both in one table.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::CommandError;
 use super::lens_flags::{aperture, max_angle};
 use crate::camera::flare::{
-    FlareImager, FlareLight, FlareRequest, FlareTable, GhostParameters, ImageKnots, Quality, TableFile,
-    bake_images, table_from_photos, write_table,
+    FlareImager, FlareLight, FlareRequest, FlareTable, GhostParameters, GhostTable, ImageKnots, ImageTable,
+    Quality, bake_images, table_from_photos, write_table,
 };
 use crate::camera::lens::{Lens, open};
 use crate::camera::require_f_number;
@@ -23,12 +23,13 @@ pub struct BakeArgs {
     #[arg(long, value_parser = super::lens_flags::f_number, required_unless_present = "photos")]
     f_number: Option<f64>,
     /// Images over two angles instead of rays over one: ANGLESxAZIMUTHS, such as 16x8; for irises without symmetry.
-    #[arg(long, value_parser = knots, conflicts_with = "photos")]
+    #[arg(long, value_parser = knots, requires = "f_number")]
     two_angles: Option<[u32; 2]>,
     /// Blades of the iris in those images.
     #[arg(long, default_value_t = 8, requires = "two_angles")]
     blades: u32,
-    /// Photos of a small light: a CSV file with the columns file, theta_deg (from the axis) and, if it was turned too, phi_deg.
+    /// Photos and videos of a small light: a CSV file with the columns file, theta_deg (from the axis), phi_deg if it was turned too,
+    /// and at_s for the times in a video. With --f-number they lie in one table with the traced ghosts.
     #[arg(long)]
     photos: Option<PathBuf>,
     /// A photo with the light off, taken away from the others.
@@ -78,50 +79,60 @@ pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
     if let Some(f_number) = args.f_number {
         require_f_number(&lens, f_number)?;
     }
-    let table = match (&args.photos, args.two_angles, args.f_number) {
-        (Some(list), _, _) => {
-            let film_mm = args.film_mm.unwrap_or(lens.film_mm[0]);
-            if !(film_mm > 0.0 && args.white > 0.0 && args.white.is_finite()) {
-                return Err(CommandError::Argument(
-                    "--film-mm and --white: give numbers above 0".to_owned(),
-                ));
-            }
-            let table = table_from_photos(list, args.dark.as_deref(), film_mm, args.white, args.with_linear)?;
-            say!("{} photos", table.len());
-            TableFile::Images(table)
-        }
-        (None, Some([angles, azimuths]), Some(f_number)) => {
-            let gpu = Gpu::open().map_err(RenderError::from)?;
-            let request = FlareRequest {
-                lens: Arc::clone(&lens),
-                f_number,
-                aperture: aperture(args.blades),
-                ghosts: Some(GhostParameters {
-                    rays: IMAGE_RAYS,
-                    ..Quality::Medium.preset().ghosts()
-                }),
-                starburst: None,
-                table: None,
-                light: FlareLight::point(0.0, 0.0),
-                image_half_mm: [0.0; 2],
-            };
-            let knots = ImageKnots {
-                max_angle: max_angle(&lens),
-                angles,
-                azimuths,
-                size: IMAGE_SIZE,
-            };
-            let table =
-                bake_images(&mut FlareImager::new(&gpu), &request, knots).map_err(RenderError::from)?;
-            say!("{} images", table.len());
-            TableFile::Images(table)
-        }
-        (None, None, Some(f_number)) => TableFile::Rays(bake_rays(&lens, f_number)?),
-        (None, _, None) => return Err(CommandError::Argument("--f-number is missing".to_owned())),
+    let photos = args
+        .photos
+        .as_ref()
+        .map(|list| photographed(args, &lens, list))
+        .transpose()?;
+    let table = match (args.f_number, photos) {
+        (Some(f_number), photos) => traced(args, &lens, f_number)?.with_photos(photos),
+        (None, Some(photos)) => GhostTable::of_photos(photos),
+        (None, None) => return Err(CommandError::Argument("--f-number is missing".to_owned())),
     };
     let bytes = write_table(&args.out, &lens, table)?;
     say!("{}: {:.2} MB", args.out.display(), bytes as f64 * 1e-6);
     Ok(())
+}
+
+fn photographed(args: &BakeArgs, lens: &Lens, list: &Path) -> Result<ImageTable, CommandError> {
+    let film_mm = args.film_mm.unwrap_or(lens.film_mm[0]);
+    if !(film_mm > 0.0 && args.white > 0.0 && args.white.is_finite()) {
+        return Err(CommandError::Argument(
+            "--film-mm and --white: give numbers above 0".to_owned(),
+        ));
+    }
+    let table = table_from_photos(list, args.dark.as_deref(), film_mm, args.white, args.with_linear)?;
+    say!("{} photos", table.len());
+    Ok(table)
+}
+
+fn traced(args: &BakeArgs, lens: &Arc<Lens>, f_number: f64) -> Result<GhostTable, CommandError> {
+    let Some([angles, azimuths]) = args.two_angles else {
+        return Ok(GhostTable::of_rays(bake_rays(lens, f_number)?));
+    };
+    let gpu = Gpu::open().map_err(RenderError::from)?;
+    let request = FlareRequest {
+        lens: Arc::clone(lens),
+        f_number,
+        aperture: aperture(args.blades),
+        ghosts: Some(GhostParameters {
+            rays: IMAGE_RAYS,
+            ..Quality::Medium.preset().ghosts()
+        }),
+        starburst: None,
+        table: None,
+        light: FlareLight::point(0.0, 0.0),
+        image_half_mm: [0.0; 2],
+    };
+    let knots = ImageKnots {
+        max_angle: max_angle(lens),
+        angles,
+        azimuths,
+        size: IMAGE_SIZE,
+    };
+    let table = bake_images(&mut FlareImager::new(&gpu), &request, knots).map_err(RenderError::from)?;
+    say!("{} images", table.len());
+    Ok(GhostTable::of_images(table))
 }
 
 /// Bakes a lens's rays to beyond the corner of its film, and says how large they are.

@@ -10,8 +10,8 @@ use super::CommandError;
 use super::flare_flags::FlareFlags;
 use super::lens_flags::{aperture, ghost_of};
 use crate::camera::flare::{
-    FlareImager, FlareLight, FlareMode, FlareRequest, GhostParameters, Quality, StarburstParameters,
-    TableFile, TracingDevice, film_half_mm,
+    FlareImager, FlareLight, FlareMode, FlareRequest, GhostParameters, GhostTable, Quality,
+    StarburstParameters, TracingDevice, film_half_mm,
 };
 use crate::camera::lens::open;
 use crate::camera::{auto_exposure, require_f_number, single_crossing_ghosts, tone_mapped};
@@ -105,8 +105,8 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
     let gpu = Gpu::open().map_err(RenderError::from)?;
     // An image of one angle can afford more than a moving one.
     let own_rays = if args.flare.has_quality() { preset.rays } else { 64 };
-    let table = match args.flare.table(&lens, args.f_number)? {
-        None if args.table && preset.mode == FlareMode::Blended => Some(TableFile::Rays(
+    let table = match args.flare.table(&lens, args.f_number, aperture(args.blades))? {
+        None if args.table && preset.mode == FlareMode::Blended => Some(GhostTable::of_rays(
             super::lens_bake::bake_rays(&lens, args.f_number)?,
         )),
         table => table,
@@ -119,6 +119,7 @@ pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
         only: ghost,
         blend: args.flare.blend,
         fit: args.flare.fit(),
+        photographed: args.flare.photographed,
         whole_entrance: args.whole_entrance,
         tracing: if args.cpu {
             TracingDevice::Cpu

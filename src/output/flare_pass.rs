@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{FrameRequest, RenderError, Renderer};
 use crate::camera::flare::{
-    Aperture, FlareEffect, FlareRequest, GhostParameters, Preset, StarburstParameters, TableFile,
+    Aperture, FlareEffect, FlareRequest, GhostParameters, GhostTable, Preset, StarburstParameters,
 };
 use crate::gpu::{BySize, Gpu, PassTimer, Target};
 
@@ -18,7 +18,7 @@ pub struct FlareSettings {
     /// How the starburst is made.
     pub starburst: StarburstParameters,
     /// Ghosts made beforehand for the same lens and f-number.
-    pub table: Option<Arc<TableFile>>,
+    pub table: Option<Arc<GhostTable>>,
 }
 
 impl FlareSettings {

@@ -1,9 +1,10 @@
 //! The shape of the opening: blades, rounding, rotation.
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 /// An iris.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aperture {
     /// Blades; fewer than 3 are a circle.
     pub blades: u32,
@@ -27,6 +28,11 @@ impl Default for Aperture {
 }
 
 impl Aperture {
+    /// Whether another opens in the same shape, dirt apart.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        Self { dirt: 0, ..*self } == Self { dirt: 0, ..*other }
+    }
+
     /// Distance from the centre to the edge in the direction of `at`, as a fraction of the circle through the vertices.
     pub fn edge(&self, at: DVec2) -> f64 {
         if self.blades < 3 {

@@ -27,15 +27,15 @@
 //! | | coatings, colours | `lens::reflectance`, `spectrum` | `reflectance_agrees_with_an_independent_transfer_matrix`, `a_spectrum_adds_up_to_white` |
 //! | B 1, 12 | nonlinear patterns, found and made beforehand by the light's position, and blended with linear ones | `nonlinearity`, `FlareTable::bake`, `flare_mesh` | `the_table_comes_near_dense_exact_rays`, `tables_hold_for_other_lenses` |
 //! | B 2, 13, 15 | ghosts found, the angle varied, kept in a look-up table | `single_crossing_ghosts`, `TabledGhost` | `tables_hold_for_other_lenses` |
-//! | B 3, 16 | patterns out of photos (frames of a video as photos, with their angles) | `table_from_photos`, `ImageTable` | `tables_of_images_give_what_was_recorded` |
-//! | B 4, 17 | at evaluation, the linear part or not, as the table says | `ImageTable::with_linear`, `TableFile::at` | `tables_of_images_give_what_was_recorded` |
+//! | B 3, 16 | patterns out of photos and of a video of the light's passage | `table_from_photos`, `video_frames` | `one_table_holds_traced_and_photographed_patterns` |
+//! | B 4, 17 | when it is drawn, the linear part with the traced patterns or the photographed ones | `GhostTable::at`, `GhostParameters::photographed` | `one_table_holds_traced_and_photographed_patterns` |
 //! | B 5, 18 | picked by the angle, rotated about the axis with the light, and blended with the linear part | `FlareSource::rotated`, `EvaluatedImage::rotation`, `Blend` | `patterns_turn_with_the_light` |
 //! | B 6 | size and brightness fitted to the linear ghosts | `blend::fitted` | `nonlinear_ghosts_can_be_fitted_to_linear_ones` |
 //! | B 7 | blended by addition | `blend::fractions`, `Blend` | `each_mode_comes_near_dense_exact_rays` |
 //! | B 8, 9 | by interpolation, by alpha | `blend::fractions`, `FlareEffect` | `blends_pass_from_linear_to_nonlinear` |
-//! | B 10, 19 | photographed patterns alone, without linear ones | `TableFile::at` | `patterns_turn_with_the_light` |
+//! | B 10, 19 | photographed patterns alone, without linear ones | `GhostTable::at` | `patterns_turn_with_the_light` |
 //! | B 11 | a table over two angles, compressed, in its file | `bake_images`, `write_table` | `patterns_turn_with_the_light` |
-//! | B 14, 20 | traced and photographed patterns in one table: not there; a `TableFile` holds the one or the other | | |
+//! | B 14, 20 | traced patterns, by one angle or two, and photographed ones in one packed table | `GhostTable::with_photos`, `write_table` | `one_table_holds_traced_and_photographed_patterns` |
 //! | | the light's disc | `Softness`, `SoftPlan` | `the_suns_ghosts_are_the_mean_of_its_points`, `softening_keeps_a_ghosts_light` |
 
 mod aperture;
@@ -60,6 +60,6 @@ pub use quality::{Preset, Quality};
 pub use spectrum::{Wavelength, spectrum};
 pub use starburst::{Diffraction, StarburstOptics, StarburstParameters, StarburstPattern, fft_2d};
 pub use table::{
-    FlareTable, ImageKnots, ImageTable, LightImage, TableError, TableFile, bake_images, open_table,
-    table_from_photos, write_table,
+    FlareTable, GhostTable, ImageKnots, ImageTable, LightImage, PlayedPatterns, TableError, TracedPatterns,
+    bake_images, open_table, table_from_photos, write_table,
 };

@@ -50,6 +50,7 @@ impl Preset {
             rays: self.rays,
             only: None,
             pattern: Pattern::Whole,
+            photographed: false,
             blend: Blend::Add,
             fit: Fit::default(),
             whole_entrance: false,

@@ -10,8 +10,8 @@ use super::request::FlareRequest;
 use super::resources::Resources;
 use super::sprite_layer::{Sprite, SpriteFrame, sprite_pipeline};
 use crate::camera::flare::{
-    Aperture, FlareMesh, FlareSource, GhostParameters, StarburstOptics, StarburstParameters,
-    StarburstPattern, TableFile, Tracing, TracingDevice, flare_mesh,
+    Aperture, FlareMesh, FlareSource, GhostParameters, GhostTable, StarburstOptics, StarburstParameters,
+    StarburstPattern, Tracing, TracingDevice, flare_mesh,
 };
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::{Paraxial, RayPass};
@@ -78,14 +78,15 @@ impl<T> PartialEq for Identity<T> {
 #[derive(Clone, PartialEq)]
 struct MeshKey {
     lens: Identity<Lens>,
-    table: Option<Identity<TableFile>>,
+    table: Option<Identity<GhostTable>>,
     source: FlareSource,
     ghosts: GhostParameters,
 }
 
 #[derive(Clone, PartialEq)]
 struct ImageKey {
-    table: Identity<TableFile>,
+    table: Identity<GhostTable>,
+    is_photo: bool,
     index: usize,
 }
 
@@ -237,19 +238,21 @@ impl FlareEffect {
 
     fn prepare_images(&mut self, gpu: &Gpu, request: &FlareRequest) -> bool {
         let evaluated = match (request.ghosts(Tracing::Cpu).1, &request.table) {
-            (Some(images), Some(table)) => {
+            (Some((images, is_photo)), Some(table)) => {
                 let light = &request.light;
                 let each = images.evaluate(light.angle, light.azimuth).into_iter();
-                each.map(|image| (image, Identity(Arc::clone(table)))).collect()
+                each.map(|image| (image, is_photo, Identity(Arc::clone(table))))
+                    .collect()
             }
             _ => Vec::new(),
         };
         let mut before = std::mem::take(&mut self.images);
         let mut changed = before.len() != evaluated.len();
-        for (evaluated, table) in evaluated {
+        for (evaluated, is_photo, table) in evaluated {
             let image = evaluated.image;
             let key = ImageKey {
                 table,
+                is_photo,
                 index: evaluated.index,
             };
             let known = before.iter().position(|(known, _)| *known == key);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use crate::camera::flare::{
-    Aperture, FlareParameters, FlareSource, GhostParameters, ImageTable, Pattern, StarburstParameters,
-    TableFile, Tracing,
+    Aperture, FlareParameters, FlareSource, GhostParameters, GhostTable, ImageTable, Pattern, PlayedPatterns,
+    StarburstParameters, Tracing,
 };
 use crate::camera::lens::Lens;
 
@@ -73,7 +73,7 @@ pub struct FlareRequest {
     /// How the starburst is made; none is drawn without.
     pub starburst: Option<StarburstParameters>,
     /// Ghosts made beforehand for the same lens and f-number; another table is told by its address.
-    pub table: Option<Arc<TableFile>>,
+    pub table: Option<Arc<GhostTable>>,
     /// The light.
     pub light: FlareLight,
     /// Half the image on the sensor, millimetres.
@@ -81,24 +81,24 @@ pub struct FlareRequest {
 }
 
 impl FlareRequest {
-    /// What makes the ghosts' mesh, and the images that are drawn beside it. None where the table holds all of the flare, or
+    /// What makes the ghosts' mesh, and the images that are drawn beside it, with whether they are photos. None where the table holds all of the flare, or
     /// no ghosts are asked for.
     pub(super) fn ghosts<'a>(
         &'a self,
         tracing: Tracing<'a>,
-    ) -> (Option<FlareParameters<'a>>, Option<&'a ImageTable>) {
+    ) -> (Option<FlareParameters<'a>>, Option<(&'a ImageTable, bool)>) {
         let Some(ghosts) = self.ghosts else {
             return (None, None);
         };
-        let (rays, images, table_pattern) = match &self.table {
-            Some(table) => table.at(self.light.angle),
-            None => (None, None, Pattern::Whole),
-        };
-        let pattern = match table_pattern {
+        let table = self.table.as_ref();
+        let played = table.map_or(PlayedPatterns::NONE, |table| {
+            table.at(self.light.angle, ghosts.photographed)
+        });
+        let pattern = match played.rest {
             Pattern::Whole => ghosts.pattern,
             other => other,
         };
-        let has_mesh = images.is_none_or(|images| images.with_linear);
+        let has_mesh = played.images.is_none_or(|(images, _)| images.with_linear);
         let parameters = has_mesh.then_some(FlareParameters {
             lens: &self.lens,
             source: FlareSource {
@@ -108,9 +108,9 @@ impl FlareRequest {
                 angular_radius: self.light.angular_radius,
             },
             ghosts: GhostParameters { pattern, ..ghosts },
-            table: rays,
+            table: played.rays,
             tracing,
         });
-        (parameters, images)
+        (parameters, played.images)
     }
 }

@@ -43,6 +43,8 @@ pub struct GhostParameters {
     pub only: Option<Ghost>,
     /// Which of its images are made.
     pub pattern: Pattern,
+    /// Draw the photographed patterns of a table that holds traced ones too.
+    pub photographed: bool,
     /// How linear and nonlinear ghosts come together in the blended mode.
     pub blend: Blend,
     /// What of its nonlinear ghosts is fitted to the linear ones.

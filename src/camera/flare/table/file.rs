@@ -10,8 +10,7 @@ use flate2::write::ZlibEncoder;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{FlareTable, ImageTable};
-use crate::camera::flare::Pattern;
+use super::GhostTable;
 use crate::camera::lens::{Lens, to_toml};
 
 /// A table cannot be used.
@@ -51,31 +50,22 @@ pub enum TableError {
     },
 }
 
-/// What is in a file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum TableFile {
-    /// Rays of the nonlinear ghosts, by angle.
-    Rays(FlareTable),
-    /// Whole images by angle and azimuth.
-    Images(ImageTable),
-}
-
 #[derive(Serialize, Deserialize)]
 struct Body {
     format: String,
     version: u32,
     /// The lens as the project's own table.
     lens: String,
-    table: TableFile,
+    table: GhostTable,
 }
 
 const FORMAT: &str = "rilievo flare table";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Most bytes of an unpacked file.
 const MAX_BYTES: u64 = 128 << 20;
 
 /// Writes a table; returns the file's bytes. The old file stays until the new one is whole.
-pub fn write_table(path: &Path, lens: &Lens, table: TableFile) -> Result<u64, TableError> {
+pub fn write_table(path: &Path, lens: &Lens, table: GhostTable) -> Result<u64, TableError> {
     let file_error = |source| TableError::File {
         path: path.to_owned(),
         source,
@@ -109,7 +99,7 @@ pub fn write_table(path: &Path, lens: &Lens, table: TableFile) -> Result<u64, Ta
 }
 
 /// Reads a table made for this lens, and of rays for this f-number.
-pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<TableFile, TableError> {
+pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<GhostTable, TableError> {
     let file = File::open(path).map_err(|source| TableError::File {
         path: path.to_owned(),
         source,
@@ -140,11 +130,7 @@ pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<TableFile, 
         let name = body.lens.lines().find_map(|line| line.strip_prefix("name = "));
         return Err(other(format!("another lens ({})", name.unwrap_or("unnamed"))));
     }
-    let made_for = match &body.table {
-        TableFile::Rays(table) => Some(table.f_number),
-        TableFile::Images(table) => table.f_number,
-    };
-    match made_for {
+    match body.table.f_number() {
         Some(number) if (number / f_number - 1.0).abs() > 1e-3 => Err(other(format!("f/{number}"))),
         _ => Ok(body.table),
     }
@@ -154,25 +140,4 @@ pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<TableFile, 
 fn optics_of(toml: &str) -> Vec<&str> {
     let is_optics = |line: &&str| !line.starts_with("name = ") && !line.starts_with("source = ");
     toml.lines().filter(is_optics).collect()
-}
-
-impl TableFile {
-    /// Whether all sizes and numbers are sound.
-    fn is_sound(&self) -> bool {
-        match self {
-            Self::Rays(table) => table.is_sound(),
-            Self::Images(table) => table.is_sound(),
-        }
-    }
-
-    /// What holds a light at an angle, radians: rays, images, and which images of ghosts are then still to be made. Beyond
-    /// its largest angle a table holds nothing, and all is made.
-    pub fn at(&self, angle: f64) -> (Option<&FlareTable>, Option<&ImageTable>, Pattern) {
-        match self {
-            Self::Rays(table) if angle <= table.max_angle => (Some(table), None, Pattern::Whole),
-            Self::Images(table) if !table.with_linear => (None, Some(table), Pattern::Linear),
-            Self::Images(table) if angle <= table.max_angle() => (None, Some(table), Pattern::Linear),
-            _ => (None, None, Pattern::Whole),
-        }
-    }
 }

@@ -58,5 +58,6 @@ pub fn bake_images(
             images.push(LightImage::new(angle, azimuth, &image.radiance, size, half_mm));
         }
     }
-    Ok(ImageTable::new(images, true, Some(request.f_number)))
+    let drawn_for = (request.f_number, request.aperture);
+    Ok(ImageTable::new(images, true, Some(drawn_for)))
 }

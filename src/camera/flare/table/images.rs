@@ -7,6 +7,8 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use crate::camera::flare::Aperture;
+
 /// Most pixels along an image's edge.
 pub const MAX_SIDE: u32 = 1024;
 
@@ -37,6 +39,8 @@ pub struct ImageTable {
     pub with_linear: bool,
     /// f-number it was drawn for; none for photos.
     pub f_number: Option<f64>,
+    /// Iris it was drawn with; none for photos.
+    pub aperture: Option<Aperture>,
     images: Vec<LightImage>,
 }
 
@@ -118,15 +122,16 @@ impl LightImage {
 }
 
 impl ImageTable {
-    /// Of images in any order.
-    pub fn new(mut images: Vec<LightImage>, with_linear: bool, f_number: Option<f64>) -> Self {
+    /// Of images in any order; `drawn_for`: f-number and iris.
+    pub fn new(mut images: Vec<LightImage>, with_linear: bool, drawn_for: Option<(f64, Aperture)>) -> Self {
         for image in &mut images {
             image.azimuth = image.azimuth.rem_euclid(TAU);
         }
         images.sort_by(|a, b| a.azimuth.total_cmp(&b.azimuth).then(a.angle.total_cmp(&b.angle)));
         Self {
             with_linear,
-            f_number,
+            f_number: drawn_for.map(|(f_number, _)| f_number),
+            aperture: drawn_for.map(|(_, aperture)| aperture),
             images,
         }
     }
