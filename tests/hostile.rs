@@ -429,3 +429,134 @@ fn lenses_ask_for_bounded_work() {
     #[cfg(unix)]
     refused(&["lens", "show", "/dev/zero"]);
 }
+
+/// What is written lies in no city's folder and over none of what is read, whatever it is.
+#[test]
+fn nothing_is_written_among_a_citys_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let before = walk(&city);
+    let inside = |name: &str| city.join(name).display().to_string();
+    let view = [
+        "--eye=288900,4772600,400",
+        "--look=289180,4773000,215",
+        "--size=32x32",
+    ];
+    let name = city.display().to_string();
+    for out in ["terrain/0/0_0.tif", "new.png", "photo/x.exr"] {
+        let out = inside(out);
+        let mut arguments = vec!["render", &name];
+        arguments.extend(view);
+        arguments.extend(["--out", &out]);
+        let message = refused(&arguments);
+        assert!(message.contains("lies in the folder of the city"), "{message}");
+    }
+    for out in ["inner", "terrain/inner"] {
+        let message = refused(&sample_import(&city.join(out)));
+        assert!(message.contains("lies in the folder of the city"), "{message}");
+    }
+    assert!(refused(&["sample", &name]).contains("lies in the folder of the city"));
+    assert!(
+        refused(&[
+            "lens",
+            "bake",
+            "tessar",
+            "--f-number=8",
+            "--out",
+            &inside("t.flare")
+        ])
+        .contains("city")
+    );
+    assert_eq!(walk(&city), before);
+
+    let file = folder.path().join("file");
+    fs::write(&file, "x").unwrap();
+    assert!(refused(&sample_import(&file)).contains("is not a city"));
+    let lens = folder.path().join("l.toml");
+    fs::write(&lens, support::succeed(&["lens", "show", "tessar", "--toml"])).unwrap();
+    let text = fs::read(&lens).unwrap();
+    let name = lens.display().to_string();
+    let message = refused(&["lens", "bake", &name, "--f-number=8", "--out", &name]);
+    assert!(message.contains("written over"), "{message}");
+    assert_eq!(fs::read(&lens).unwrap(), text);
+}
+
+/// A footprint dataset holds its features itself: no view, which may run without end, and no virtual table, which reads other files.
+#[test]
+fn a_footprint_dataset_holds_its_features() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = folder.path().join("other.csv");
+    fs::write(&text, "a,b\n1,2\n").unwrap();
+    let virtual_table = |sql: &str| {
+        format!(
+            "PRAGMA writable_schema = 1; DELETE FROM sqlite_master WHERE name = 'buildings' OR type = 'trigger';
+             INSERT INTO sqlite_master (type, name, tbl_name, rootpage, sql) VALUES ('table', 'buildings', 'buildings', 0, '{}');",
+            sql.replace('\'', "''")
+        )
+    };
+    let path = text.display();
+    for change in [
+        "ALTER TABLE buildings RENAME TO b; CREATE VIEW buildings AS SELECT * FROM b;".to_owned(),
+        "ALTER TABLE buildings RENAME TO b; CREATE VIEW buildings AS
+         WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT b.* FROM b, c;"
+            .to_owned(),
+        virtual_table(&format!("CREATE VIRTUAL TABLE buildings USING VirtualText('{path}', 'UTF-8', 0, COMMA)")),
+        virtual_table(&format!("CREATE VIRTUAL TABLE buildings USING VirtualOGR('{path}')")),
+        format!(
+            "PRAGMA writable_schema = 1;
+             INSERT INTO sqlite_master (type, name, tbl_name, rootpage, sql)
+             VALUES ('table', 'aside', 'aside', 0, 'CREATE VIRTUAL TABLE aside USING VirtualShape(''{path}'', ''UTF-8'', 4326)');"
+        ),
+    ] {
+        let city = copied(&folder.path().join(format!("c{}", change.len())));
+        let dataset = city.join("buildings.gpkg");
+        rusqlite::Connection::open(&dataset)
+            .unwrap()
+            .execute_batch(&change)
+            .unwrap();
+        let message = refused(&["update", city.to_str().unwrap()]);
+        assert!(
+            message.contains("not a table") || message.contains("could read other files"),
+            "{message}"
+        );
+    }
+}
+
+/// A table of text that was cut is refused, wherever it was cut; a whole one is not, however it is quoted.
+#[test]
+fn cut_tables_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole: String = (0..200)
+        .map(|k| {
+            let (x, y) = (288_900 + 10 * (k % 20), 4_772_600 + 10 * (k / 20));
+            format!(
+                "\"POLYGON (({x} {y},{} {y},{} {},{x} {y}))\";\"a \"\"b\"\" {k}\";{}.5\n",
+                x + 8,
+                x + 8,
+                y + 8,
+                5 + k % 7
+            )
+        })
+        .collect();
+    let import = |text: String| {
+        let path = folder.path().join("b.csv");
+        fs::write(&path, text).unwrap();
+        let mut arguments = import_of(&path, &folder.path().join("c"));
+        let photo = arguments
+            .iter()
+            .position(|argument| argument == "--photo")
+            .unwrap();
+        arguments.drain(photo..photo + 5);
+        arguments.extend(["--buildings-crs".to_owned(), "EPSG:25833".to_owned()]);
+        arguments
+    };
+    let header = "WKT;note;height_m\n";
+    support::succeed(&import(format!("{header}{whole}")));
+    support::succeed(&import(format!("{header}{}", whole.trim_end())));
+    let row = whole.lines().next_back().unwrap();
+    let end = whole.len() - row.len() - 1;
+    for left in [4, 30, row.find(";").unwrap(), row.len() - 8, row.len() - 5] {
+        let message = refused(&import(format!("{header}{}", &whole[..end + left])));
+        assert!(message.contains("damaged or truncated"), "{left}: {message}");
+    }
+}

@@ -63,6 +63,31 @@ pub fn read_plain_text(path: &Path, max_bytes: u64) -> Result<String, CityError>
     Ok(text)
 }
 
+/// Whether a folder has a manifest that this program wrote, of whatever format.
+pub fn is_city(folder: &Path) -> bool {
+    let text = read_plain_text(&folder.join("city.toml"), MAX_TEXT).unwrap_or_default();
+    let Ok(manifest) = text.parse::<toml::Table>() else {
+        return false;
+    };
+    ["format", "crs", "tile_texels", "grid"]
+        .iter()
+        .all(|key| manifest.contains_key(*key))
+}
+
+/// The city whose folder a path lies in, whether it exists or not.
+pub fn enclosing_city(path: &Path) -> Option<PathBuf> {
+    let whole = std::path::absolute(path).ok()?;
+    // Links in what exists of it lead elsewhere.
+    let folder = whole
+        .ancestors()
+        .skip(1)
+        .find_map(|folder| fs::canonicalize(folder).ok())?;
+    folder
+        .ancestors()
+        .find(|folder| is_city(folder))
+        .map(Path::to_owned)
+}
+
 /// Refuses folders of layers and levels that are links.
 ///
 /// # Errors

@@ -57,6 +57,14 @@ pub enum CityError {
         /// The folder.
         path: PathBuf,
     },
+    /// It would lie in a city's folder.
+    #[error("{}: lies in the folder of the city {}", path.display(), city.display())]
+    Inside {
+        /// What was to be written.
+        path: PathBuf,
+        /// The city.
+        city: PathBuf,
+    },
     /// Another import makes the same city.
     #[error("{}: another import{} makes this city", path.display(), Self::process(process))]
     Busy {

@@ -125,6 +125,7 @@ impl Manifest {
                 .iter()
                 .all(|&count| count <= tiles)
             && self.terrain_tiles > 0
+            && self.generation < i64::MAX as u64
             // A city of many places and hardly a tile is none.
             && tiles <= 64 + 4096 * self.terrain_tiles
             && self.building_map_bytes <= MAX_MAP_BYTES

@@ -22,6 +22,7 @@ mod update;
 mod writer;
 
 pub use building_details::BuildingDetails;
+pub use city_files::enclosing_city;
 pub use codec::TerrainTile;
 pub use edit::{Edit, EditReport, Editor};
 pub use error::CityError;

@@ -6,7 +6,7 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::city_files::{MAX_TEXT, foreign, open_plain, read_plain_text};
+use super::city_files::{enclosing_city, foreign, is_city, open_plain};
 use super::durable::sync;
 use super::import_lock::ImportLock;
 use super::layer::Layer;
@@ -63,6 +63,9 @@ impl Staging {
             Ok(data) if data.is_symlink() => fs::canonicalize(target).map_err(CityError::file(target))?,
             _ => target.to_owned(),
         };
+        if let Some(city) = enclosing_city(&target) {
+            return Err(CityError::Inside { path: target, city });
+        }
         if let Some(parent) = target.parent().filter(|parent| !parent.as_os_str().is_empty()) {
             fs::create_dir_all(parent).map_err(CityError::file(parent))?;
         }
@@ -184,17 +187,6 @@ fn remove_marked(folder: &Path) -> Result<(), CityError> {
         removed.map_err(CityError::file(&path))?;
     }
     fs::remove_dir_all(folder).map_err(CityError::file(folder))
-}
-
-/// Whether a folder has a manifest that this program wrote, of whatever format.
-fn is_city(folder: &Path) -> bool {
-    let text = read_plain_text(&folder.join("city.toml"), MAX_TEXT).unwrap_or_default();
-    let Ok(manifest) = text.parse::<toml::Table>() else {
-        return false;
-    };
-    ["format", "crs", "tile_texels", "grid"]
-        .iter()
-        .all(|key| manifest.contains_key(*key))
 }
 
 /// Refuses a folder that holds what no import made, besides `names` at its top: it would be lost.

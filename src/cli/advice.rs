@@ -46,6 +46,7 @@ pub fn for_warning(warning: &ImportWarning) -> String {
         }
         ImportWarning::Steps { kept: false, .. } => "--keep-steps keeps them".to_owned(),
         ImportWarning::Steps { kept: true, .. } => "leave out --keep-steps to smooth them".to_owned(),
+        ImportWarning::FillCut { .. } => "fill wider ones in the source, with gdal_fillnodata.py".to_owned(),
         ImportWarning::OutsideCrs { .. } => "give another --crs".to_owned(),
         ImportWarning::TranslationDropped { .. } => "check where the buildings lie".to_owned(),
         ImportWarning::NoHeights { .. } => {
@@ -63,6 +64,7 @@ fn for_city(error: &CityError) -> Option<String> {
             path.display()
         ),
         CityError::Occupied { .. } => "choose another --out or remove it yourself".to_owned(),
+        CityError::Inside { .. } => "write to a place outside it".to_owned(),
         CityError::UnfitCrs { .. } => "name another CRS for the city (--crs EPSG:n)".to_owned(),
         CityError::Busy { .. } => "wait until it has ended, or choose another --out".to_owned(),
         CityError::NoFolderName { .. } => "give --out a folder to make".to_owned(),

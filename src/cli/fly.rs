@@ -48,7 +48,7 @@ pub struct FlyArgs {
 /// Opens the window; returns when it is closed.
 pub fn run(args: &FlyArgs) -> Result<(), CommandError> {
     if let Some(path) = &args.journal {
-        super::values::require_folder(path)?;
+        super::values::require_place(path)?;
     }
     let files: Vec<PathBuf> = args.city.iter().filter(|path| path.is_file()).cloned().collect();
     let city = match args.city.as_slice() {

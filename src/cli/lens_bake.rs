@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::CommandError;
 use super::lens_flags::{aperture, max_angle};
+use super::values::{require_other, require_place};
 use crate::camera::flare::{
     FlareImager, FlareLight, FlareRequest, FlareTable, GhostParameters, GhostTable, ImageKnots, ImageTable,
     Quality, bake_images, table_from_photos, write_table,
@@ -74,7 +75,13 @@ const IMAGE_RAYS: usize = 32;
 
 /// Bakes and writes.
 pub fn run(args: &BakeArgs) -> Result<(), CommandError> {
-    super::values::require_folder(&args.out)?;
+    require_place(&args.out)?;
+    let read = [
+        Some(Path::new(&args.lens)),
+        args.photos.as_deref(),
+        args.dark.as_deref(),
+    ];
+    require_other(&args.out, &read.into_iter().flatten().collect::<Vec<_>>())?;
     let lens = Arc::new(open(&args.lens)?);
     if let Some(f_number) = args.f_number {
         require_f_number(&lens, f_number)?;

@@ -91,7 +91,7 @@ const MAX_RAYS: u64 = 24_000_000;
 
 /// Draws and writes.
 pub fn run(args: &FlareArgs) -> Result<(), CommandError> {
-    super::values::require_folder(&args.out)?;
+    super::values::require_place(&args.out)?;
     let lens = Arc::new(open(&args.lens)?);
     require_f_number(&lens, args.f_number)?;
     let ghost = args.ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;

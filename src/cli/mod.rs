@@ -101,10 +101,24 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let advice = advice::for_error(&error).map(|advice| format!("; {advice}"));
-            let text = format!("{error}{}", advice.unwrap_or_default());
-            eprintln!("rilievo: {}", text.replace('\n', " "));
+            eprintln!(
+                "rilievo: {}{}",
+                one_line(&error.to_string()),
+                advice.unwrap_or_default()
+            );
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Most characters of a message: what a library cites of a damaged file may be long.
+const MOST_CHARACTERS: usize = 1000;
+
+fn one_line(text: &str) -> String {
+    let line = text.replace('\n', " ");
+    match line.char_indices().nth(MOST_CHARACTERS) {
+        Some((end, _)) => format!("{} ..", &line[..end]),
+        None => line,
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::CommandError;
 use super::search_flags::SearchFlags;
-use super::values::require_folder;
+use super::values::require_place;
 use crate::gpu::Gpu;
 use crate::output::{RenderError, write_png};
 use crate::relief::extrusion::{
@@ -72,7 +72,7 @@ fn metres(text: &str) -> Result<f64, String> {
 
 /// Draws and writes.
 pub fn run(args: &ReliefArgs) -> Result<(), CommandError> {
-    require_folder(&args.out)?;
+    require_place(&args.out)?;
     let (Some(texture), Some(height)) = (&args.texture, &args.height) else {
         return figures(args);
     };

@@ -8,7 +8,7 @@ use super::CommandError;
 use super::camera_flags::{CameraFlags, sun};
 use super::pool_flags::{PoolFlags, tell_warnings};
 use super::relief_flags::ReliefFlags;
-use super::values::require_folder;
+use super::values::require_place;
 use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{
@@ -91,7 +91,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         .into_iter()
         .flatten()
     {
-        require_folder(path)?;
+        require_place(path)?;
     }
     let kind = image_kind(&args.out)?;
     if args.intermediate.is_some() && kind != ImageKind::Display {

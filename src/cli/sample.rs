@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::CommandError;
+use super::values::require_no_city;
 use crate::sample::{write_region, write_sample};
 
 /// Flags of `sample`.
@@ -32,6 +33,7 @@ fn area(text: &str) -> Result<f64, String> {
 
 /// Writes the files and says how to import them.
 pub fn run(args: &SampleArgs) -> Result<(), CommandError> {
+    require_no_city(&args.dir.join("terrain.tif"))?;
     let files = match args.buildings.zip(args.km2) {
         Some((buildings, km2)) => {
             let (files, written) =

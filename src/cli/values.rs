@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::CommandError;
+use crate::city::{CityError, enclosing_city};
 
 /// `E,N,H`.
 pub fn point(text: &str) -> Result<DVec3, String> {
@@ -66,8 +67,33 @@ fn numbers(text: &str, separator: char) -> Option<Vec<f64>> {
     text.split(separator).map(number).collect()
 }
 
-/// Fails before the long work when the result could not be written after it.
-pub fn require_folder(path: &Path) -> Result<(), CommandError> {
+/// Fails before a file that was to be read is written over.
+pub fn require_other(path: &Path, read: &[&Path]) -> Result<(), CommandError> {
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    let is_same = real(path).is_some_and(|path| read.iter().any(|read| real(read).as_deref() == Some(&path)));
+    match is_same {
+        false => Ok(()),
+        true => Err(CommandError::File {
+            path: path.display().to_string(),
+            why: "is read, and would be written over; give another --out".to_owned(),
+        }),
+    }
+}
+
+/// Fails when a file would lie among those of a city.
+pub fn require_no_city(path: &Path) -> Result<(), CommandError> {
+    match enclosing_city(path) {
+        None => Ok(()),
+        Some(city) => {
+            let path = path.to_owned();
+            Err(CityError::Inside { path, city }.into())
+        }
+    }
+}
+
+/// Fails before the long work when the result could not be written after it, or would lie among the files of a city.
+pub fn require_place(path: &Path) -> Result<(), CommandError> {
+    require_no_city(path)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_none_or(Path::is_dir) {
         return Ok(());

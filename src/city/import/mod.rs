@@ -89,6 +89,11 @@ fn built_tiles(grid: &TileGrid, footprints: &[Footprint]) -> usize {
 /// Makes a city.
 pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     check_numbers(options)?;
+    if options.out.is_file() {
+        return Err(CityError::Occupied {
+            path: options.out.clone(),
+        });
+    }
     let mut warnings = Vec::new();
     let sources = Sources::open(options)?;
     if !Crs::is_plain_definition(sources.crs.label()) {
@@ -173,6 +178,10 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     make_levels(&plan, &levels, &writer)?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
     let bounds = plan.grid.bounds();
+    warnings.extend(
+        plan.fill_cut_m
+            .map(|filled_m| ImportWarning::FillCut { filled_m }),
+    );
     warnings.extend(source_warnings(&sources, options.keep_steps, &bounds, &place)?);
     let (operations, operation_warnings) = sources.operations()?;
     warnings.extend(operation_warnings.into_iter().map(ImportWarning::Operation));

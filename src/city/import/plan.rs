@@ -20,6 +20,8 @@ pub struct Plan {
     pub rounding_m: Option<f32>,
     /// Longest run of missing samples that is filled.
     pub fill_samples: usize,
+    /// Widest hole that is filled, metres, where a wider one was asked for.
+    pub fill_cut_m: Option<f64>,
 }
 
 /// Longest run of missing samples that is filled, whatever is asked: a tile's neighbourhood of it fits in memory.
@@ -80,12 +82,14 @@ impl Plan {
             None if options.fill_m > 0.0 => options.fill_m + sources.dtm.coarsest_pixel_m(),
             None => 0.0,
         };
+        let hole_samples = (hole_m / spacing.step_m + 1e-6) as usize;
         Ok(Self {
             grid: spacing.grid,
             terrain_side: spacing.intervals + 1,
             terrain_step_m: spacing.step_m,
             rounding_m: lattice.is_none().then(|| rounding(spacing.step_m)),
-            fill_samples: ((hole_m / spacing.step_m + 1e-6) as usize).min(MAX_FILL_SAMPLES),
+            fill_samples: hole_samples.min(MAX_FILL_SAMPLES),
+            fill_cut_m: (hole_samples > MAX_FILL_SAMPLES).then_some(MAX_FILL_SAMPLES as f64 * spacing.step_m),
         })
     }
 }

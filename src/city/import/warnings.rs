@@ -43,6 +43,11 @@ pub enum ImportWarning {
         /// Whether they are kept as they are.
         kept: bool,
     },
+    /// Wider holes were to be filled than a tile's neighbourhood holds.
+    FillCut {
+        /// Widest that is filled, metres.
+        filled_m: f64,
+    },
     /// Coordinates may lie off by more than they need.
     Operation(OperationWarning),
     /// No field was named and none has a known name.
@@ -97,6 +102,10 @@ impl fmt::Display for ImportWarning {
                     write!(f, "smoothed within {} m", 0.5 * stepped.step_m)
                 }
             }
+            Self::FillCut { filled_m } => write!(
+                f,
+                "holes are filled up to {filled_m:.0} m only, at this spacing of the terrain"
+            ),
             Self::Operation(warning) => warning.fmt(f),
             Self::NoHeights { default_height_m, .. } => write!(
                 f,

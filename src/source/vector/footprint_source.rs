@@ -7,6 +7,8 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use glam::DVec2;
 
 use super::cityjson;
+use super::csv_end::require_whole;
+use super::plain_geopackage::require_plain;
 use crate::source::{CrsChoice, SourceError, SourceRole, gdal_reference, gdal_says};
 use crate::space::{Crs, GeoArea};
 
@@ -67,6 +69,9 @@ impl FootprintSource {
             None => (open_vector(path, drivers)?, None, false),
         };
         let driver = dataset.driver().short_name();
+        if driver == "CSV" && path.is_file() {
+            require_whole(path)?;
+        }
         let (is_osm, is_cad) = (
             driver == "OSM",
             driver == "DXF" || driver == "DGN" || driver == "CAD",
@@ -123,6 +128,7 @@ impl FootprintSource {
                 expected: "footprint dataset",
             });
         }
+        require_plain(path)?;
         let layer = Some(super::footprint_dataset::LAYER);
         // Nothing else that lies there under its name: a description could name other files and servers.
         Self::open_by(

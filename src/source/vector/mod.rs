@@ -2,6 +2,7 @@
 
 mod cityjson;
 mod clean;
+mod csv_end;
 mod dataset_editor;
 mod footprint_dataset;
 mod feature;
@@ -10,6 +11,7 @@ mod footprint_source;
 mod heights;
 mod known_fields;
 mod outline;
+mod plain_geopackage;
 mod plan_features;
 mod read_footprints;
 mod report;

@@ -1,6 +1,8 @@
 //! Traces a lens's table: of many angles those become knots where the interpolation between others is worst, until it is near
 //! enough at all.
 
+use std::collections::HashMap;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -82,6 +84,9 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Ta
     let near = Nearness {
         sensor_mm: NEAR_ENOUGH * 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]),
         stop_mm: optics[0].linear.stop_mm,
+        pupil_mm: (optics[0].linear.stop_mm / optics[0].linear.a[0])
+            .abs()
+            .min(optics[0].linear.barrel_mm),
     };
     let Some(size) = size_needed(&optics, &windows, &near)? else {
         return Ok(Tabled::Traced(ghost));
@@ -108,27 +113,41 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Ta
             k == 0 || k == angles - 1 || begins(k, k + 1) || begins(k - 1, k)
         })
         .collect();
+    let grids: Vec<Option<Unpacked>> = all
+        .iter()
+        .map(|knot| knot.light.as_ref().map(Light::unpack))
+        .collect();
+    let grid_at = |k: Option<usize>| Some((all.get(k?)?.angle, grids[k?].as_ref()?));
+    // The worst angle between two knots, told by them and the next on either side.
+    let mut known: HashMap<[Option<usize>; 4], Option<usize>> = HashMap::new();
     loop {
         let knots_at: Vec<usize> = (0..angles).filter(|&k| is_knot[k]).collect();
-        let knots: Vec<Knot> = knots_at.iter().map(|&k| all[k].clone()).collect();
-        let off = |k: usize| match (&all[k].light, between(&knots, all[k].angle)) {
-            (None, None) => 0.0,
-            (Some(light), Some(guess)) => near.off(&light.unpack(), &guess),
-            _ => f64::INFINITY,
+        let worst_of = |around: &[Option<usize>; 4]| {
+            let [_, Some(lower), Some(upper), _] = *around else {
+                return None;
+            };
+            let off = |k: usize| match (&grids[k], between(around.map(grid_at), all[k].angle)) {
+                (None, None) => 0.0,
+                (Some(grid), Some(guess)) => near.off(grid, &guess),
+                _ => f64::INFINITY,
+            };
+            let (k, max) = (lower + 1..upper)
+                .map(|k| (k, off(k)))
+                .max_by(|a, b| a.1.total_cmp(&b.1))?;
+            (max > 1.0).then_some(k)
         };
-        let worst: Vec<usize> = knots_at
-            .windows(2)
-            .filter_map(|pair| {
-                let between = (pair[0] + 1..pair[1]).map(|k| (k, off(k)));
-                let (k, max) = between.max_by(|a, b| a.1.total_cmp(&b.1))?;
-                (max > 1.0).then_some(k)
+        let worst: Vec<usize> = (1..knots_at.len())
+            .filter_map(|next| {
+                let knot = |index: Option<usize>| knots_at.get(index?).copied();
+                let around = [next.checked_sub(2), Some(next - 1), Some(next), Some(next + 1)].map(knot);
+                *known.entry(around).or_insert_with_key(worst_of)
             })
             .collect();
         if worst.is_empty() {
             return Ok(Tabled::Grids(TabledGhost {
                 first: ghost.first,
                 second: ghost.second,
-                knots,
+                knots: knots_at.into_iter().map(|k| all[k].clone()).collect(),
             }));
         }
         for k in worst {
@@ -165,7 +184,7 @@ const TESTED_ANGLES: usize = 7;
 const OFF_FRACTION: f64 = 0.03;
 
 /// The same of the finest grids, over which a ghost is left to be traced.
-const MAX_OFF_FRACTION: f64 = 0.12;
+const MAX_OFF_FRACTION: f64 = 0.05;
 
 /// Rays along an edge of a ghost's grids: the least of `SIZES` by which the rays between a grid's are near enough, at angles spread over
 /// those with light. None where not even the finest is anywhere near.
@@ -186,6 +205,8 @@ fn size_needed(
         let (mut off, mut all) = (0, 0);
         for &(k, window) in &tested {
             let mut grid = optics[k].grid(D_LINE_UM, window, size)?;
+            let passing = grid.rays.iter().map(|ray| ray.as_ref().map(values_of));
+            let edge = near.edge(passing, window, size * size);
             grid.extend();
             let known: Vec<Option<Values>> =
                 grid.rays.iter().map(|ray| ray.as_ref().map(values_of)).collect();
@@ -195,7 +216,7 @@ fn size_needed(
                 let truth = ray.as_ref().map(values_of);
                 if near.passes(&truth) {
                     all += 1;
-                    off += usize::from(near.off_ray(&truth, &smooth(&known, size, at)) > 1.0);
+                    off += usize::from(near.off_ray(&truth, &smooth(&known, size, at), edge) > 1.0);
                 }
             }
         }
@@ -213,18 +234,36 @@ struct Nearness {
     sensor_mm: f64,
     /// Radius of the iris.
     stop_mm: f64,
+    /// Radius of what of the entrance the linear image takes.
+    pupil_mm: f64,
 }
 
 /// Differences that are near enough, of heights relative to the barrel and of positions relative to the iris.
 const NEAR_EDGE: f64 = 0.05;
+/// Lit part of the pupil below which edges are told no better.
+const MIN_LIT: f64 = 0.2;
 
 impl Nearness {
+    /// What is near enough at an edge, as a fraction of the pupil: less where the ghost is cut to a part of it. `rays` are `count`
+    /// spread over a window.
+    fn edge(&self, rays: impl Iterator<Item = Option<Values>>, [min, max]: [DVec2; 2], count: usize) -> f64 {
+        let lit = rays
+            .filter(|ray| {
+                ray.is_some_and(|values| values[4] <= 1.0 && values[2].hypot(values[3]) <= self.stop_mm)
+            })
+            .count();
+        let area_mm2 = (max - min).element_product() * lit as f64 / count as f64;
+        let pupil_mm2 = std::f64::consts::PI * self.pupil_mm.powi(2);
+        NEAR_EDGE * (area_mm2 / pupil_mm2).clamp(MIN_LIT, 1.0)
+    }
+
     /// Largest difference of rays that pass in either, in units of what is near enough.
     fn off(&self, a: &Unpacked, b: &Unpacked) -> f64 {
+        let edge = self.edge(a.colours[0].iter().copied(), a.window, a.colours[0].len());
         let pairs = a.colours.iter().flatten().zip(b.colours.iter().flatten());
         pairs
             .filter(|(a, b)| self.passes(a) || self.passes(b))
-            .map(|(a, b)| self.off_ray(a, b))
+            .map(|(a, b)| self.off_ray(a, b, edge))
             .fold(0.0, f64::max)
     }
 
@@ -237,13 +276,13 @@ impl Nearness {
     }
 
     /// Difference of two rays.
-    fn off_ray(&self, a: &Option<Values>, b: &Option<Values>) -> f64 {
+    fn off_ray(&self, a: &Option<Values>, b: &Option<Values>, edge: f64) -> f64 {
         let (Some(a), Some(b)) = (a, b) else {
             return f64::INFINITY;
         };
         let on_sensor = (a[0] - b[0]).hypot(a[1] - b[1]) / self.sensor_mm;
-        let in_stop = (a[2] - b[2]).hypot(a[3] - b[3]) / (NEAR_EDGE * self.stop_mm);
-        let height = (a[4] - b[4]).abs() / NEAR_EDGE;
+        let in_stop = (a[2] - b[2]).hypot(a[3] - b[3]) / (edge * self.stop_mm);
+        let height = (a[4] - b[4]).abs() / edge;
         on_sensor.max(in_stop).max(height)
     }
 }

@@ -120,29 +120,35 @@ impl TabledGhost {
 
     /// The ghost at an angle; none beyond the table and where no light gets through.
     pub fn at(&self, angle: f64) -> Option<EvaluatedGhost> {
-        between(&self.knots, angle).map(|unpacked| EvaluatedGhost { unpacked })
+        let next = self.knots.iter().position(|knot| knot.angle >= angle)?;
+        let light = |index: Option<usize>| {
+            let knot = self.knots.get(index?)?;
+            Some((knot.angle, knot.light.as_ref()?.unpack()))
+        };
+        let unpacked = if next == 0 || self.knots[next].angle == angle {
+            light(Some(next))?.1
+        } else {
+            let near = [next.checked_sub(2), Some(next - 1), Some(next), Some(next + 1)].map(light);
+            let near = near
+                .each_ref()
+                .map(|light| light.as_ref().map(|(angle, grid)| (*angle, grid)));
+            between(near, angle)?
+        };
+        Some(EvaluatedGhost { unpacked })
     }
 }
 
-/// Grids at an angle between knots: cubic Hermite with the slopes of the parabola through each three angles; straight where
+/// A grid and its angle.
+pub type GridAt<'a> = (f64, &'a Unpacked);
+
+/// Grids at an angle between knots, two on either side of it: cubic Hermite with the slopes of the parabola through each three angles; straight where
 /// a neighbour is missing. None where either side lets no light through.
-pub fn between(knots: &[Knot], angle: f64) -> Option<Unpacked> {
-    let next = knots.iter().position(|knot| knot.angle >= angle)?;
-    let light =
-        |index: Option<usize>| Some((knots.get(index?)?.angle, knots[index?].light.as_ref()?.unpack()));
-    if next == 0 || knots[next].angle == angle {
-        return light(Some(next)).map(|(_, unpacked)| unpacked);
-    }
-    let (lower, upper) = (light(Some(next - 1))?, light(Some(next))?);
-    let (before, after) = (light(next.checked_sub(2)), light(Some(next + 1)));
+pub fn between([before, lower, upper, after]: [Option<GridAt<'_>>; 4], angle: f64) -> Option<Unpacked> {
+    let (lower, upper) = (lower?, upper?);
     let mix = |of: &dyn Fn(&Unpacked) -> Option<f64>| {
-        let point = |known: &(f64, Unpacked)| Some((known.0, of(&known.1)?));
-        let outer = |known: &Option<(f64, Unpacked)>| known.as_ref().and_then(point);
-        Some(hermite(
-            [outer(&before), point(&lower), point(&upper), outer(&after)],
-            angle,
-        ))
-        .flatten()
+        let point = |(angle, grid): GridAt<'_>| Some((angle, of(grid)?));
+        let outer = |known: Option<GridAt<'_>>| known.and_then(point);
+        hermite([outer(before), point(lower), point(upper), outer(after)], angle)
     };
     let bound = |k: usize| {
         let along = |axis: usize| mix(&|unpacked: &Unpacked| Some(unpacked.window[k][axis]));
