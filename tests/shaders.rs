@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::camera::flare::{FlareFrame, SpriteFrame};
-use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, RayRecord};
+use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, Motion, RayRecord, TemporalPass};
 use rilievo::output::DebugFrame;
 use rilievo::relief::extrusion::ExtrusionFrame;
 use rilievo::relief::{Anchor, FrameUniforms, SearchParameters};
@@ -171,6 +171,19 @@ fn records_are_laid_out_alike_on_both_sides() {
         ["kind" = kind, "component" = component, "scale" = scale]
     );
     same_layout!("Anchor", Anchor, ["at" = at]);
+    same_layout!(
+        "Motion",
+        Motion,
+        [
+            "clip_before" = clip_before,
+            "forward" = forward,
+            "across" = across,
+            "upward" = upward,
+            "eye" = eye,
+            "size" = size,
+            "jitter" = jitter
+        ]
+    );
     same_layout!(
         "Exposure",
         Exposure,
@@ -380,6 +393,7 @@ fn bindings_are_what_the_layouts_say() {
             "relief/light.wgsl" => vec![&ReliefPass::FRAME, &CityBindings::TYPES, &LightPass::INPUT],
             "relief/polygons.wgsl" => vec![&ReliefPass::FRAME, &PolygonsPass::ANCHOR, &PolygonsPass::INPUT],
             "camera/accumulate.wgsl" => vec![&AccumulatePass::INPUT],
+            "camera/temporal.wgsl" => vec![&TemporalPass::INPUT],
             "camera/tone_map.wgsl" => vec![&ToneMapPass::INPUT],
             "camera/ghost.wgsl" => vec![&GHOST_INPUT],
             "camera/sprite.wgsl" => vec![&FLARE_INPUT],

@@ -4,8 +4,8 @@
 //! lens ─▶ path ─▶ paraxial ─┬▶ optics (Camera: projection, sun on the sensor; vignetting)
 //!               └▶ trace ───┴▶ diagram, flare
 //!                   └▶ rays (its twin on the GPU, many at once)
-//! radiance ─▶ accumulate ─┐
-//!                  flare ─┴▶ tone_map ─▶ image
+//! radiance ─▶ accumulate | temporal (in motion) ─┐
+//!                                        flare ─┴▶ tone_map ─▶ image
 //! ```
 
 mod accumulate_pass;
@@ -19,6 +19,7 @@ mod optics;
 mod path;
 mod ray_bundles;
 mod shaders;
+mod temporal_pass;
 mod tone_map_pass;
 mod tone_curve;
 mod trace;
@@ -35,6 +36,7 @@ pub use paraxial::{
 pub use path::{Ghost, Step, crossings, ghosts, path, single_crossing_ghosts};
 pub use ray_bundles::{Bundle, BundleRecord, InterfaceRecord, RayPass, RayRecord};
 pub use shaders::ALL as SHADERS;
+pub use temporal_pass::{Motion, TemporalPass};
 pub use tone_curve::{START_COMPRESSION, shoulder, srgb, tone_curve, tone_mapped};
 pub use tone_map_pass::{Exposure, ToneMapPass, ToneMapping};
 pub use trace::{TracedRay, Tracer, beam_direction};

@@ -32,6 +32,16 @@ pub const ACCUMULATE: ShaderSource = ShaderSource {
     ],
 };
 
+/// Mean of a moving view's frames.
+pub const TEMPORAL: ShaderSource = ShaderSource {
+    name: "camera/temporal.wgsl",
+    constants: CONSTANTS,
+    files: &[
+        shader_file!("fullscreen.wgsl"),
+        shader_file!("camera/temporal.wgsl"),
+    ],
+};
+
 /// Exposure and tone mapping.
 pub const TONE_MAP: ShaderSource = ShaderSource {
     name: "camera/tone_map.wgsl",
@@ -82,4 +92,6 @@ pub const RAYS: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 7] = [ACCUMULATE, TONE_MAP, GHOST, SOFTEN, ENLARGE, SPRITE, RAYS];
+pub const ALL: [ShaderSource; 8] = [
+    ACCUMULATE, TEMPORAL, TONE_MAP, GHOST, SOFTEN, ENLARGE, SPRITE, RAYS,
+];

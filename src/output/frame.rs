@@ -1,10 +1,11 @@
 //! The conductor: the passes of a frame in their order.
 //!
 //! ```text
-//! every sample:  ground ─▶ buildings (cone, exact | search | polygons) ─▶ light (ambient, light) ─▶ accumulate ─┐
-//! then:                                             flare (sun through the lens) ─────┴▶ tone map ─▶ image
+//! every sample:  ground ─▶ buildings (cone, exact | search | polygons) ─▶ light (ambient, light) ─▶ accumulate | temporal ─┐
+//! then:                                                           flare (sun through the lens) ──┴▶ tone map ─▶ image
 //! ```
-//! Before them the tile pool takes what the view wants. A frame is a sample and the image of all samples so far. It reads nothing
+//! Before them the tile pool takes what the view wants. A frame is a sample and the image of all samples so far; in
+//! motion, of what the frames before it showed of what it sees. It reads nothing
 //! back and allocates nothing on the device, unless tiles come.
 
 use glam::DVec2;
@@ -15,7 +16,7 @@ use crate::camera::{
 };
 use crate::gpu::Band;
 use crate::relief::{ReliefSettings, ReliefView, TIMED_PASSES, sun_seen_from};
-use crate::space::Sun;
+use crate::space::{Projection, Sun};
 
 const RELIEF: usize = TIMED_PASSES.len();
 /// Timed passes of a frame: the relief's, then the camera's.
@@ -26,6 +27,9 @@ pub(super) const PASSES: [&str; RELIEF + 3] = {
 const ACCUMULATE: u32 = RELIEF as u32;
 const FLARE: u32 = ACCUMULATE + 1;
 const TONE_MAP: u32 = ACCUMULATE + 2;
+
+/// Samples after which the frames of a moving camera take the first one's place again.
+const MOVING_SAMPLES: u32 = 32;
 
 /// What to draw.
 #[derive(Clone, Copy)]
@@ -84,6 +88,34 @@ impl Renderer {
         Ok(())
     }
 
+    /// Draws a view as the next of a moving camera: one sample, and what the frames before it showed of what it sees.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn moving_frame(&mut self, request: &FrameRequest<'_>) -> Result<(), RenderError> {
+        self.resize(request.size);
+        self.prepare(request)?;
+        self.prepare_flare(request)?;
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let sample = self.moving_frames % MOVING_SAMPLES;
+        self.moving_frames = sample + 1;
+        let projection = self.encode_relief(&mut encoder, request, sample, Band::WHOLE);
+        if let Some([sum, _]) = self.accumulate.targets() {
+            let timestamps = self.timer.pass(ACCUMULATE);
+            self.temporal
+                .encode(&self.gpu, &mut encoder, &projection, sum, timestamps);
+        }
+        self.encode_image(&mut encoder, request, 1);
+        self.timer.resolve(&mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+
+    /// The next frame of a moving camera keeps nothing of those before.
+    pub fn cut(&mut self) {
+        self.temporal.forget();
+    }
+
     /// Adds a sample without making an image of it.
     pub(super) fn add_sample(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
         self.resize(request.size);
@@ -104,6 +136,21 @@ impl Renderer {
         sample: u32,
         band: Band,
     ) {
+        self.encode_relief(encoder, request, sample, band);
+        if band.is_last() {
+            self.accumulate
+                .encode(encoder, sample, self.timer.pass(ACCUMULATE));
+        }
+    }
+
+    /// Draws a sample's radiance; gives its view.
+    fn encode_relief(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        request: &FrameRequest<'_>,
+        sample: u32,
+        band: Band,
+    ) -> Projection {
         let mut projection = request.camera.projection(request.size);
         projection.jitter = jitter(sample);
         let view = ReliefView {
@@ -116,10 +163,7 @@ impl Renderer {
         };
         self.relief
             .encode(&self.gpu, encoder, &self.resident, &view, &self.timer);
-        if band.is_last() {
-            self.accumulate
-                .encode(encoder, sample, self.timer.pass(ACCUMULATE));
-        }
+        projection
     }
 
     fn encode_image(&mut self, encoder: &mut wgpu::CommandEncoder, request: &FrameRequest<'_>, samples: u32) {

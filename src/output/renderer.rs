@@ -8,7 +8,7 @@ use super::flare_pass::FlarePass;
 use super::frame::PASSES;
 use super::{FrameRequest, RenderError};
 use crate::buildings::Building;
-use crate::camera::{AccumulatePass, ToneMapPass, Vignetting};
+use crate::camera::{AccumulatePass, TemporalPass, ToneMapPass, Vignetting};
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
 use crate::relief::{ReliefPass, ReliefTargets, building_mesh};
@@ -22,6 +22,9 @@ pub struct Renderer {
     pub resident: Resident,
     pub(super) relief: ReliefPass,
     pub(super) accumulate: AccumulatePass,
+    pub(super) temporal: TemporalPass,
+    /// Number of the next frame in motion: the place of its sample in the sequence.
+    pub(super) moving_frames: u32,
     pub(super) flare: FlarePass,
     pub(super) tone_map: ToneMapPass,
     /// Of the last frame's lens, and half of the sensor's part that the frame showed, millimetres.
@@ -46,6 +49,8 @@ impl Renderer {
         let renderer = Self {
             relief: ReliefPass::new(&gpu, &resident)?,
             accumulate: AccumulatePass::new(&gpu),
+            temporal: TemporalPass::new(&gpu),
+            moving_frames: 0,
             flare: FlarePass::new(&gpu),
             tone_map: ToneMapPass::new(&gpu),
             vignetting: None,
@@ -125,6 +130,8 @@ impl Renderer {
         self.size = size;
         let targets = self.relief.resize(&self.gpu, &self.resident, size);
         self.accumulate.resize(&self.gpu, size, &targets.radiance);
+        self.temporal
+            .resize(&self.gpu, size, &targets.radiance, &targets.distance);
         self.flare.resize(&self.gpu, size);
         if let (Some(sums), Some(flare)) = (self.accumulate.targets(), self.flare.target()) {
             self.tone_map.resize(&self.gpu, size, sums, flare);

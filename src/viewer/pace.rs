@@ -17,8 +17,8 @@ pub struct Pace {
     is_moving: bool,
     /// Samples of the image shown.
     samples: u32,
-    /// Whether that image is a coarse one.
-    is_coarse: bool,
+    /// Whether that image is one of a moving camera's.
+    is_of_motion: bool,
     /// The band of the resting image's next sample, and what the bands before it took.
     band: Band,
     spent: Duration,
@@ -41,6 +41,8 @@ pub struct Step {
     pub sample: u32,
     /// Rows of it.
     pub band: Band,
+    /// Whether it is one of a moving camera's, which keep what the ones before showed.
+    pub in_motion: bool,
 }
 
 /// Scales in use. A few, so that targets are not made anew all the time.
@@ -71,7 +73,7 @@ impl Pace {
             last_motion: Some(now),
             is_moving: true,
             samples: 0,
-            is_coarse: false,
+            is_of_motion: false,
             band: Band::WHOLE,
             spent: Duration::ZERO,
             full: Duration::ZERO,
@@ -95,18 +97,18 @@ impl Pace {
         self.is_moving = self
             .last_motion
             .is_some_and(|last| now.duration_since(last) < REST);
-        if self.is_moving && self.coarse > 0 {
-            // A coarse image that has been drawn stays until something moves again or rests.
+        if self.is_moving {
             let step = Step {
                 scale: SCALES[self.coarse],
-                sample: if self.is_coarse { self.samples } else { 0 },
+                sample: if self.is_of_motion { self.samples } else { 0 },
                 band: Band::WHOLE,
+                in_motion: true,
             };
-            self.is_coarse = true;
+            self.is_of_motion = true;
             return Some(step);
         }
-        if self.is_coarse {
-            self.is_coarse = false;
+        if self.is_of_motion {
+            self.is_of_motion = false;
             self.samples = 0;
             self.is_bridge_due = self.full > SLOW;
         }
@@ -115,6 +117,7 @@ impl Pace {
                 scale: BRIDGE,
                 sample: 0,
                 band: Band::WHOLE,
+                in_motion: false,
             });
         }
         if self.band.is_first() {
@@ -125,6 +128,7 @@ impl Pace {
             scale: 1.0,
             sample: self.samples,
             band: self.band,
+            in_motion: false,
         })
     }
 
@@ -181,7 +185,7 @@ impl Pace {
 
     /// Whether the image shown is one of full resolution.
     pub fn is_full(&self) -> bool {
-        !self.is_coarse && self.samples > 0
+        !self.is_of_motion && self.samples > 0
     }
 }
 

@@ -238,7 +238,10 @@ impl Running {
         if let Some(step) = step {
             let size = full_size.map(|side| ((f64::from(side) * step.scale).round() as u32).max(1));
             let request = request(size);
-            self.renderer.frame_band(&request, step.sample, step.band)?;
+            match step.in_motion {
+                true => self.renderer.moving_frame(&request)?,
+                false => self.renderer.frame_band(&request, step.sample, step.band)?,
+            }
             self.renderer.gpu.wait().map_err(RenderError::from)?;
             let Some(took) = self.pace.drawn(step, now.elapsed()) else {
                 // The image is the one before; only the panels may be other ones.
