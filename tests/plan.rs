@@ -5,6 +5,7 @@ mod support;
 
 use glam::DVec2;
 use rilievo::city::City;
+use rilievo::source::GroundRules;
 use rilievo::space::TileId;
 use support::{rilievo, sample, succeed};
 
@@ -86,6 +87,30 @@ fn lines_are_as_wide_as_told_and_areas_are_filled() {
         at(40.0, 25.0).map_or(0, |pixel| pixel[3]),
         0,
         "between them nothing is drawn"
+    );
+
+    // Rules of one's own.
+    let rules = folder.path().join("ground.toml");
+    let own = GroundRules::BUILT_IN
+        .replacen("colour = \"#869466\"", "colour = \"#3060c0\"", 1)
+        .replacen("carriageway = \"#707072\"", "carriageway = \"#c03030\"", 1);
+    std::fs::write(&rules, own).unwrap();
+    let with_rules = |rules: &std::path::Path| {
+        let mut arguments = import(&roads);
+        arguments.extend(["--ground-rules".into(), rules.into()]);
+        arguments
+    };
+    succeed(&with_rules(&rules));
+    let city = City::open(&out).unwrap();
+    let at = |dx: f64, dy: f64| pixel(&city, DVec2::new(x + dx, y + dy)).unwrap();
+    assert_eq!(at(40.0, 65.0)[..3], [0x30, 0x60, 0xc0]);
+    assert_eq!(at(50.0, 1.5)[..3], [0xc0, 0x30, 0x30]);
+    std::fs::write(&rules, "[roads]\nusual_m = 3\n").unwrap();
+    let refused = rilievo(&with_rules(&rules));
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        !refused.status.success() && message.contains("ground.toml"),
+        "{message}"
     );
 
     // A file without lines is refused by name.

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::{CommandError, import_report};
-use crate::city::{ImportOptions, PlanFiles, import};
-use crate::source::HeightRule;
+use crate::city::{CityError, ImportOptions, PlanFiles, import};
+use crate::source::{GroundRules, HeightRule};
 
 /// Flags of `import`.
 #[derive(Debug, clap::Args)]
@@ -80,6 +80,9 @@ pub struct ImportArgs {
     /// Side of a building-map texel, metres.
     #[arg(long, default_value_t = ImportOptions::TEXEL_M)]
     texel: f64,
+    /// Rules for how roads, rails, water and green are drawn [default: the program's own, data/ground.toml].
+    #[arg(long)]
+    ground_rules: Option<PathBuf>,
     /// Rules that give buildings their facades and roofs [default: facades.toml of the city that is replaced, or the program's own;
     /// the city folder gets a copy to edit].
     #[arg(long)]
@@ -100,6 +103,8 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
             })
         })
         .or_else(|| args.roof_field.map(|field| HeightRule::RoofElevation { field }));
+    let rules = args.ground_rules.as_deref().map(GroundRules::read).transpose();
+    let rules = rules.map_err(CityError::from)?.unwrap_or_default();
     let options = ImportOptions {
         terrain: args.terrain,
         buildings: args.buildings,
@@ -123,6 +128,7 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
             rails: args.rails,
             water: args.water,
             green: args.green,
+            rules,
         },
         facades: args.facades,
         out: args.out,

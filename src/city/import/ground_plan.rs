@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use resvg::tiny_skia::{FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
 use crate::city::{CityError, ImageryTile};
-use crate::source::{PlanFeature, PlanKind, read_plan};
+use crate::source::{GroundRules, PlanFeature, PlanKind, read_plan};
 use crate::space::{Bounds, Crs, TileGrid, TileId};
 
 /// Size of a plan's pixel, metres, where no orthophoto asks for another.
@@ -30,6 +30,8 @@ pub struct PlanFiles {
     pub water: Vec<PathBuf>,
     /// Parks and woods.
     pub green: Vec<PathBuf>,
+    /// How they are drawn.
+    pub rules: GroundRules,
 }
 
 impl PlanFiles {
@@ -49,6 +51,7 @@ impl PlanFiles {
 
 /// Features by the tiles that they meet.
 pub struct GroundPlan {
+    rules: GroundRules,
     features: Vec<PlanFeature>,
     by_tile: BTreeMap<TileId, Vec<usize>>,
     grid: TileGrid,
@@ -62,7 +65,7 @@ impl GroundPlan {
     pub fn read(files: &PlanFiles, city: &Crs, grid: TileGrid) -> Result<Option<Self>, CityError> {
         let mut features: Vec<PlanFeature> = Vec::new();
         for (kind, file) in files.all() {
-            features.extend(read_plan(file, kind, (city, &grid.bounds()))?);
+            features.extend(read_plan(file, (kind, &files.rules), (city, &grid.bounds()))?);
         }
         if features.is_empty() {
             return Ok(None);
@@ -79,6 +82,7 @@ impl GroundPlan {
             }
         }
         Ok(Some(Self {
+            rules: files.rules.clone(),
             features,
             by_tile,
             grid,
@@ -98,7 +102,7 @@ impl GroundPlan {
         let bounds = self.grid.tile_bounds(id);
         let mut pixels = Pixmap::new(side as u32, side as u32)?;
         for &index in features {
-            draw(&mut pixels, &self.features[index], &bounds);
+            draw(&mut pixels, &self.features[index], &self.rules, &bounds);
         }
         let mut rgba: Vec<u8> = Vec::with_capacity(4 * side * side);
         for pixel in pixels.pixels() {
@@ -123,7 +127,7 @@ impl GroundPlan {
     }
 }
 
-fn draw(pixels: &mut Pixmap, feature: &PlanFeature, bounds: &Bounds) {
+fn draw(pixels: &mut Pixmap, feature: &PlanFeature, rules: &GroundRules, bounds: &Bounds) {
     let scale = f64::from(pixels.width()) / bounds.width();
     let mut builder = PathBuilder::new();
     for part in &feature.parts {
@@ -142,35 +146,26 @@ fn draw(pixels: &mut Pixmap, feature: &PlanFeature, bounds: &Bounds) {
     }
     let Some(path) = builder.finish() else { return };
     let Some(width_m) = feature.width_m else {
-        let paint = paint_of(area_colour(feature.kind));
+        let paint = paint_of(feature.colour);
         pixels.fill_path(&path, &paint, FillRule::EvenOdd, Transform::identity(), None);
         return;
     };
     let width = width_m * scale;
+    let (roads, rail) = (&rules.roads, &rules.rail);
     match feature.kind {
-        PlanKind::Road if width_m >= 5.0 => {
-            // Pavements at both sides, and a line along wide ones.
-            stroke(pixels, &path, width, [0x9d, 0x9a, 0x93]);
-            stroke(pixels, &path, 0.68 * width, [0x70, 0x70, 0x72]);
-            if width_m >= 8.0 {
-                stroke(pixels, &path, (0.18 * scale).max(0.4), [0xc4, 0xc2, 0xba]);
+        PlanKind::Road if width_m >= roads.pavements_from_m => {
+            stroke(pixels, &path, width, roads.pavement.0);
+            stroke(pixels, &path, 0.68 * width, roads.carriageway.0);
+            if width_m >= roads.line_from_m {
+                stroke(pixels, &path, (0.18 * scale).max(0.4), roads.line.0);
             }
         }
-        PlanKind::Road => stroke(pixels, &path, width, [0x93, 0x8c, 0x80]),
+        PlanKind::Road => stroke(pixels, &path, width, roads.path.0),
         PlanKind::Rail => {
-            stroke(pixels, &path, width, [0x7a, 0x72, 0x68]);
-            stroke(pixels, &path, 0.45 * width, [0x5c, 0x58, 0x54]);
+            stroke(pixels, &path, width, rail.bed.0);
+            stroke(pixels, &path, 0.45 * width, rail.track.0);
         }
-        PlanKind::Water | PlanKind::Green => stroke(pixels, &path, width, area_colour(feature.kind)),
-    }
-}
-
-fn area_colour(kind: PlanKind) -> [u8; 3] {
-    match kind {
-        PlanKind::Green => [0x86, 0x94, 0x66],
-        PlanKind::Water => [0x5b, 0x7f, 0x95],
-        PlanKind::Rail => [0x7a, 0x72, 0x68],
-        PlanKind::Road => [0x9d, 0x9a, 0x93],
+        PlanKind::Water | PlanKind::Green => stroke(pixels, &path, width, feature.colour),
     }
 }
 

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use gdal::vector::{Defn, Feature, Geometry, LayerAccess, OGRwkbGeometryType, geometry_type_flatten};
 use geo::Coord;
+use indexmap::IndexMap;
 
 use super::feature::{FieldPlace, linearised};
 use super::footprint_source::open_vector;
 use super::heights::OTHER_TAGS;
 use super::known_fields::plain;
-use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
+use crate::source::ground_rules::{AreaRules, Colour};
+use crate::source::{CrsChoice, GroundRules, SourceError, SourceRole, gdal_says};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// What a layer shows.
@@ -32,6 +34,8 @@ pub struct PlanFeature {
     pub kind: PlanKind,
     /// Width of a line, metres; none of an area.
     pub width_m: Option<f64>,
+    /// Of an area, or of a line that has but one, sRGB.
+    pub colour: [u8; 3],
     /// Lines, or rings of an area (even-odd), in the city's CRS.
     pub parts: Vec<Vec<Coord<f64>>>,
 }
@@ -51,39 +55,6 @@ impl PlanFeature {
     }
 }
 
-/// Widths of classes, metres: OpenStreetMap's `highway`, carriageway and pavements, after its wiki's usual values.
-const ROAD_WIDTHS: &[(&str, f64)] = &[
-    ("motorway", 14.0),
-    ("trunk", 12.0),
-    ("primary", 11.0),
-    ("secondary", 9.5),
-    ("tertiary", 8.5),
-    ("unclassified", 7.0),
-    ("residential", 7.0),
-    ("living_street", 6.0),
-    ("pedestrian", 6.0),
-    ("service", 4.0),
-    ("track", 3.0),
-    ("footway", 2.2),
-    ("path", 1.8),
-    ("cycleway", 2.5),
-    ("steps", 2.0),
-    ("bridleway", 2.0),
-    ("corridor", 0.0),
-    ("proposed", 0.0),
-    ("construction", 0.0),
-];
-const USUAL_ROAD_M: f64 = 6.5;
-/// Of `waterway`.
-const WATER_WIDTHS: &[(&str, f64)] = &[
-    ("river", 14.0),
-    ("canal", 9.0),
-    ("stream", 2.5),
-    ("ditch", 1.5),
-    ("drain", 1.5),
-];
-const USUAL_WATER_M: f64 = 4.0;
-const RAIL_M: f64 = 3.5;
 /// Names of a width, metres: OpenStreetMap, BD TOPO, plain words.
 const WIDTH_FIELDS: &[&str] = &[
     "width",
@@ -95,32 +66,6 @@ const WIDTH_FIELDS: &[&str] = &[
 ];
 /// Width of a lane, metres.
 const LANE_M: f64 = 3.2;
-/// Values of OpenStreetMap's `leisure`, `landuse` and `natural` that are green.
-const GREEN: &[&str] = &[
-    "park",
-    "garden",
-    "pitch",
-    "golf_course",
-    "nature_reserve",
-    "playground",
-    "grass",
-    "forest",
-    "meadow",
-    "recreation_ground",
-    "village_green",
-    "cemetery",
-    "orchard",
-    "vineyard",
-    "allotments",
-    "farmland",
-    "wood",
-    "scrub",
-    "grassland",
-    "heath",
-];
-/// Values of `natural`, `landuse` that are water.
-const WATER: &[&str] = &["water", "bay", "reservoir", "basin", "salt_pond", "wetland"];
-
 /// Places of a layer's fields.
 struct Fields {
     names: Vec<String>,
@@ -165,57 +110,73 @@ impl Tags<'_> {
     }
 }
 
-/// Width of a line (0 is not shown), or that an area is shown; none where the feature is something else.
-fn width_of(kind: PlanKind, tags: &Tags<'_>, is_osm: bool) -> Option<f64> {
-    let class = |key: &str, widths: &[(&str, f64)], usual: f64| {
-        let value = tags.text(key)?;
-        let value = value.trim_end_matches("_link");
-        let known = widths.iter().find(|(name, _)| *name == value);
-        Some(known.map_or(usual, |(_, metres)| *metres))
-    };
-    let is_any = |keys: &[&str], values: &[&str]| {
-        let is_one = |key: &&str| {
-            tags.text(key)
-                .is_some_and(|value| values.contains(&value.as_str()))
-        };
-        keys.iter().any(is_one)
-    };
-    let by_class = match kind {
-        PlanKind::Road => class("highway", ROAD_WIDTHS, USUAL_ROAD_M),
-        PlanKind::Rail => class(
-            "railway",
-            &[("abandoned", 0.0), ("subway", 0.0), ("platform", 0.0)],
-            RAIL_M,
-        ),
-        PlanKind::Water => class("waterway", WATER_WIDTHS, USUAL_WATER_M)
-            .or_else(|| is_any(&["natural", "landuse"], WATER).then_some(USUAL_WATER_M)),
-        PlanKind::Green => is_any(&["leisure", "landuse", "natural"], GREEN).then_some(2.0),
-    };
-    let usual = match kind {
-        PlanKind::Road => USUAL_ROAD_M,
-        PlanKind::Rail => RAIL_M,
-        PlanKind::Water => USUAL_WATER_M,
-        PlanKind::Green => 2.0,
-    };
-    let width = match is_osm {
-        true => by_class?,
-        // Another file's layer is what the user says it is.
-        false => by_class.unwrap_or(usual),
-    };
-    Some(if width > 0.0 {
-        tags.metres().unwrap_or(width)
-    } else {
-        0.0
+/// Keys of a class that covers areas.
+const AREA_KEYS: [&str; 3] = ["leisure", "landuse", "natural"];
+
+/// How a feature is drawn: width of a line, and colour of what has one of its own.
+struct Drawn {
+    width_m: f64,
+    colour: Colour,
+}
+
+/// Of an area, or a line of `key`; none where the feature is something else.
+fn drawn_as_area(rules: &AreaRules, key: Option<&str>, tags: &Tags<'_>, is_osm: bool) -> Option<Drawn> {
+    let values: Vec<String> = AREA_KEYS.iter().filter_map(|key| tags.text(key)).collect();
+    let of_class = rules
+        .colours
+        .iter()
+        .find(|(class, _)| values.contains(class))
+        .map(|(_, colour)| *colour);
+    let line = key.and_then(|key| tags.text(key));
+    // Another file's layer is what the user says it is.
+    (of_class.is_some() || line.is_some() || !is_osm).then(|| Drawn {
+        width_m: width_of_class(&rules.widths_m, line.as_deref(), rules.usual_m),
+        colour: of_class.unwrap_or(rules.colour),
     })
 }
 
-/// Reads all lines and areas of a file that are of a kind and meet a rectangle, into the city's CRS.
+fn width_of_class(widths_m: &IndexMap<String, f64>, class: Option<&str>, usual_m: f64) -> f64 {
+    let class = class.map(|class| class.trim_end_matches("_link"));
+    class
+        .and_then(|class| widths_m.get(class))
+        .copied()
+        .unwrap_or(usual_m)
+}
+
+/// How a feature is drawn; none where it is something else, or not drawn.
+fn drawn(kind: PlanKind, rules: &GroundRules, tags: &Tags<'_>, is_osm: bool) -> Option<Drawn> {
+    let line = |key: &str, widths_m: &IndexMap<String, f64>, usual_m: f64, colour: Colour| {
+        let class = tags.text(key);
+        (class.is_some() || !is_osm).then(|| Drawn {
+            width_m: width_of_class(widths_m, class.as_deref(), usual_m),
+            colour,
+        })
+    };
+    let GroundRules {
+        roads,
+        rail,
+        water,
+        green,
+    } = rules;
+    let drawn = match kind {
+        PlanKind::Road => line("highway", &roads.widths_m, roads.usual_m, roads.pavement),
+        PlanKind::Rail => line("railway", &rail.widths_m, rail.usual_m, rail.bed),
+        PlanKind::Water => drawn_as_area(water, Some("waterway"), tags, is_osm),
+        PlanKind::Green => drawn_as_area(green, None, tags, is_osm),
+    };
+    drawn.filter(|drawn| drawn.width_m > 0.0).map(|drawn| Drawn {
+        width_m: tags.metres().unwrap_or(drawn.width_m),
+        ..drawn
+    })
+}
+
+/// Reads all lines and areas of a file that are of a kind by the rules and meet a rectangle, into the city's CRS.
 ///
 /// # Errors
 /// When the file cannot be read, or has none.
 pub fn read_plan(
     path: &Path,
-    kind: PlanKind,
+    (kind, rules): (PlanKind, &GroundRules),
     (city, extent): (&Crs, &Bounds),
 ) -> Result<Vec<PlanFeature>, SourceError> {
     let read_error = |why: String| SourceError::Read {
@@ -246,14 +207,15 @@ pub fn read_plan(
                 feature: &feature,
                 fields: &fields,
             };
-            let Some(width) = width_of(kind, &tags, is_osm).filter(|width| *width > 0.0) else {
+            let Some(Drawn { width_m, colour }) = drawn(kind, rules, &tags, is_osm) else {
                 continue;
             };
             if let Some(geometry) = feature.geometry() {
                 collect(geometry, &mut |parts, is_area| {
                     let feature = PlanFeature {
                         kind,
-                        width_m: (!is_area).then_some(width),
+                        width_m: (!is_area).then_some(width_m),
+                        colour: colour.0,
                         parts: moved(parts, &transform),
                     };
                     found += 1;
