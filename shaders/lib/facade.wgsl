@@ -13,6 +13,8 @@
 fn facade_of(code: u32) -> u32 { return code & 127u; }
 fn has_shops(code: u32) -> bool { return (code & 128u) != 0u; }
 fn roof_of(code: u32) -> u32 { return (code >> 8u) & 255u; }
+// Gravel and membrane lie on roofs with parapets.
+fn is_flat_roof(code: u32) -> bool { return roof_of(code) == GRAVEL || roof_of(code) == MEMBRANE; }
 fn storeys_of(code: u32) -> f32 { return f32(max((code >> 16u) & 255u, 1u)); }
 fn direction_of(code: u32) -> f32 { return f32(code >> 24u) * (PI / 256.0); }
 

@@ -177,6 +177,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
             // Counted from the city's corner, so that it stays where it is and runs on over the tiles.
             let plan = vec2<f32>(frame.eye_tile) * frame.tile_m + frame.eye_in_tile + at.xy;
             material = roof_material(facade.w, id, plan, direction, pixel_m);
+            if is_flat_roof(facade.w) { material = with_parapet(material, id, at.xy, pixel_m); }
             if hides_facades() { material = Material(PLASTER, normal, 0.0, 0.0); }
             let seen = imagery_at(at.xy, t, abs(direction.z));
             // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).

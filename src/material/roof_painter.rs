@@ -58,8 +58,9 @@ pub fn paint_roof(style: RoofStyle) -> Canvas {
             }
             RoofStyle::Membrane => {
                 let weld = (y / 2.0).fract() < 0.02 || (x / 8.0).fract() < 0.006;
-                let puddle = (cloud(position, 16, 44) - 0.62).max(0.0);
-                let shade = 0.95 + 0.10 * (broad - 0.5) - 0.9 * puddle - if weld { 0.12 } else { 0.0 };
+                // Where water stood, softly.
+                let puddle = (0.6 * broad + 0.4 * cloud(position, 16, 44) - 0.5).max(0.0);
+                let shade = 0.95 + 0.06 * (broad - 0.5) - 0.35 * puddle - if weld { 0.12 } else { 0.0 };
                 Texel::dull(
                     [0.52, 0.515, 0.49].map(|c| c * shade),
                     if weld { 0.004 } else { 0.0 },

@@ -112,6 +112,7 @@ pub const LIGHT: ShaderSource = ShaderSource {
         shader_file!("lib/random.wgsl"),
         shader_file!("lib/surface_rays.wgsl"),
         shader_file!("lib/facade.wgsl"),
+        shader_file!("lib/parapet.wgsl"),
         shader_file!("fullscreen.wgsl"),
         shader_file!("relief/light.wgsl"),
     ],
