@@ -7,8 +7,8 @@ use std::sync::Arc;
 use glam::DVec2;
 use rilievo::camera::flare::{
     Aperture, FlareImage, FlareImager, FlareLight, FlareMode, FlareParameters, FlareRequest, FlareSource,
-    FlareTable, GhostParameters, GhostTable, ImageKnots, Quality, Tracing, bake_images, flare_mesh,
-    open_table, table_from_photos, write_table,
+    FlareTable, GhostParameters, GhostTable, ImageKnots, ImageTable, LightImage, Quality, Tracing,
+    bake_images, flare_mesh, open_table, table_from_photos, write_table,
 };
 use rilievo::camera::lens::{D_LINE_UM, Lens, built_in};
 use rilievo::camera::{Ghost, Paraxial, single_crossing_ghosts, srgb};
@@ -311,6 +311,37 @@ fn one_table_holds_traced_and_photographed_patterns() {
         );
         assert!(shown[0] != shown[1]);
     }
+}
+
+/// KR 10-1658883, claims 10 and 19: photographed patterns are drawn without linear ghosts, unless they are said to show the nonlinear ones
+/// alone.
+#[test]
+fn photographed_patterns_are_drawn_alone() {
+    let gpu = Gpu::open().unwrap();
+    let mut imager = FlareImager::new(&gpu);
+    let lens = lens("nikon");
+    let half_mm = 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]);
+    let dark =
+        |degrees: f64| LightImage::new(degrees.to_radians(), 0.0, &[[0.0; 3]; 4], [2, 2], [half_mm; 2]);
+    let mut light_of = |with_linear: bool| {
+        let photos = ImageTable::new(vec![dark(0.0), dark(20.0)], with_linear, None);
+        let base = request(&lens, ghosts(FlareMode::Blended, None), CIRCLE, half_mm);
+        let request = FlareRequest {
+            table: Some(Arc::new(GhostTable::of_photos(photos))),
+            light: FlareLight::point(0.1, 0.0),
+            f_number: 16.0,
+            ..base
+        };
+        let image = imager.draw(&request, SIZE).unwrap();
+        image
+            .radiance
+            .iter()
+            .flatten()
+            .map(|&v| f64::from(v))
+            .sum::<f64>()
+    };
+    assert_eq!(light_of(false), 0.0);
+    assert!(light_of(true) > 0.0);
 }
 
 /// KR 10-1658883, claims 5 and 18 (the pattern of an angle, rotated about the axis by the light's azimuth), 10 and 11 (tables of photos, and

@@ -234,3 +234,79 @@ fn facades_do_not_shimmer() {
     );
     assert!(changes.len() > 1000 && variance < 60.0, "{variance}");
 }
+
+/// Pictures of the user's own stand on the walls that the rules give them, go into the city folder with its rules, and are refused by name.
+#[test]
+fn facades_of_ones_own_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("facades");
+    std::fs::create_dir(&pictures).unwrap();
+    // Two bays, one red and one blue, and a green ground floor.
+    let write = |name: &str, colour: &dyn Fn(u32) -> [u8; 4]| {
+        let pixels: Vec<u8> = (0..64 * 32).flat_map(|k| colour(k % 64)).collect();
+        rilievo::output::write_png(&pictures.join(name), [64, 32], &pixels).unwrap();
+    };
+    write("bays.png", &|column| {
+        if column < 32 {
+            [200, 10, 10, 255]
+        } else {
+            [10, 10, 200, 255]
+        }
+    });
+    write("ground.png", &|_| [10, 200, 10, 255]);
+    let rules = folder.path().join("rules.toml");
+    let text = "[[facade]]\nname = 'flag'\nbay_m = 4\nstorey_m = 3\nmiddle = 'bays.png'\nground = 'ground.png'\n\
+                [[rule]]\nfacades = ['flag']\nroofs = ['gravel']\n";
+    std::fs::write(&rules, text).unwrap();
+    let out = folder.path().join("city");
+    let mut import = support::import_arguments(&support::sample().join("files"), &out);
+    import.extend(["--facades".to_owned(), rules.display().to_string()]);
+    support::succeed(&import);
+    assert!(out.join("facades/bays.png").is_file() && out.join("facades/ground.png").is_file());
+
+    let city = City::open(&out).unwrap();
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    let (_, eye, target) = support::VIEWS[0];
+    let camera = support::pinhole(eye, target, 1.0);
+    let sun = Sun::from_azimuth_altitude(200.0, 40.0);
+    renderer.still(&support::request(&camera, &sun, SIZE), 1).unwrap();
+    let targets = renderer.relief_targets().unwrap();
+    let surfaces = read_texture::<[u32; 4]>(&renderer.gpu, &targets.building_surface.texture).unwrap();
+    let image: Vec<u8> = read_texture(&renderer.gpu, &renderer.image().unwrap().texture).unwrap();
+    let (mut walls, mut seen) = (0, [0; 3]);
+    for (k, pixel) in image.chunks_exact(4).enumerate() {
+        if surfaces[k][1] == 0 {
+            continue;
+        }
+        walls += 1;
+        let strongest = (0..3).max_by_key(|&c| pixel[c]).unwrap();
+        let others = (0..3)
+            .filter(|&c| c != strongest)
+            .map(|c| pixel[c])
+            .max()
+            .unwrap();
+        seen[strongest] += u32::from(pixel[strongest] > others.saturating_mul(3) / 2 + 20);
+    }
+    println!("{walls} pixels of buildings: {seen:?} red, green, blue");
+    assert!(
+        seen.iter().all(|&count| count * 20 > walls),
+        "{seen:?} of {walls}"
+    );
+    // Imported again, the city keeps its rules and pictures.
+    support::succeed(&support::import_arguments(&support::sample().join("files"), &out));
+    assert!(out.join("facades/bays.png").is_file());
+
+    for (change, told) in [
+        (text.replace("'ground.png'", "'../ground.png'"), "without a path"),
+        (text.replace("'ground.png'", "'none.png'"), "none.png"),
+        (text.replace("['flag']", "['marble']"), "marble"),
+    ] {
+        std::fs::write(&rules, change).unwrap();
+        let output = support::rilievo(&import);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.code() == Some(1) && message.contains(told),
+            "{message}"
+        );
+    }
+}

@@ -10,7 +10,16 @@
 @group(2) @binding(9) var facade_palette: texture_2d<f32>;
 
 // Fields of a building's code (`BuildingMaterial::code`).
-fn facade_of(code: u32) -> u32 { return code & 127u; }
+// One that the rules no longer have is drawn as the first.
+fn facade_of(code: u32) -> u32 {
+    let number = code & 127u;
+    return select(0u, number, number < textureDimensions(facade_palette).y);
+}
+// The first layer of a facade: the user's own stand behind the roofs.
+fn facade_layer(facade: u32) -> u32 {
+    let own = OWN_LAYERS + (max(facade, FACADES) - FACADES) * FACADE_BANDS;
+    return select(facade * FACADE_BANDS, own, facade >= FACADES);
+}
 fn has_shops(code: u32) -> bool { return (code & 128u) != 0u; }
 fn roof_of(code: u32) -> u32 { return (code >> 8u) & 255u; }
 // Gravel and membrane lie on roofs with parapets.
@@ -84,7 +93,7 @@ fn wall_material(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, di
     let is_ground = storey == 0.0;
     var band = select(BAND_MIDDLE, BAND_TOP, storey == storeys - 1.0);
     if is_ground { band = select(BAND_GROUND, BAND_SHOP, has_shops(code)); }
-    let layer = style * FACADE_BANDS + band;
+    let layer = facade_layer(style) + band;
 
     let bay = floor(place.bays);
     let chance = random3(vec3<u32>(fid, u32(i32(bay) + 4096), u32(storey)));

@@ -121,7 +121,7 @@ impl Work {
         let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); self.side];
         for polygon in &building.outline {
             for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
-                let bays = facade_coordinates(ring, building.material.facade.bay_m());
+                let bays = facade_coordinates(ring, building.material.facade.bay_m);
                 self.add_ring(ring, (index, &bays), &mut crossings);
             }
         }

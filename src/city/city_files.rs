@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::CityError;
 use super::layer::Layer;
+use super::rules_file::PICTURES;
 
 /// Most bytes of `city.toml` and of an update's plan.
 pub const MAX_TEXT: u64 = 16 << 20;
@@ -119,6 +120,14 @@ pub fn foreign(folder: &Path, names: &[&str]) -> Result<Option<PathBuf>, CityErr
         let name = entry.file_name();
         let layer = Layer::ALL.into_iter().find(|layer| name == layer.name());
         let Some(layer) = layer else {
+            if name == PICTURES {
+                let is_picture = |name: &str| name.ends_with(".png");
+                let pictures = entries(&entry.path())?.into_iter();
+                match pictures.into_iter().find(|picture| !is_part(picture, is_picture)) {
+                    Some(picture) => return Ok(Some(picture.path())),
+                    None => continue,
+                }
+            }
             if names.iter().any(|known| name == **known) {
                 continue;
             }

@@ -1,15 +1,22 @@
 //! `facades.toml`: the rules that give a city's buildings their facades.
 
+use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::Path;
 
 use super::CityError;
-use crate::material::FacadeRules;
+use super::city_files::open_plain;
+use crate::material::{Canvas, FacadeRules, OwnFacade, OwnTiles, facade_from_picture};
 
 /// Its name in a city folder.
 pub const FACADES: &str = "facades.toml";
 
-/// Most bytes of such a file.
+/// Folder beside it with the pictures that it names.
+pub const PICTURES: &str = "facades";
+
+/// Most bytes of such a file, and of a picture.
 const MAX_BYTES: u64 = 1 << 20;
+const MAX_PICTURE_BYTES: u64 = 16 << 20;
 
 /// The rules of a city folder and their text: the project's own where it has none.
 ///
@@ -44,4 +51,87 @@ pub fn read_rules(path: &Path) -> Result<(FacadeRules, String), CityError> {
     };
     let rules = FacadeRules::from_text(&text).map_err(|error| refused(error.to_string()))?;
     Ok((rules, text))
+}
+
+/// Names and bytes of the pictures that rules name, out of the folder beside their file.
+///
+/// # Errors
+/// When one cannot be read.
+pub fn pictures(beside: &Path, rules: &FacadeRules) -> Result<BTreeMap<String, Vec<u8>>, CityError> {
+    let mut pictures = BTreeMap::new();
+    let folder = beside.join(PICTURES);
+    // A link could lead the reader out of the city.
+    let is_plain = std::fs::symlink_metadata(&folder).is_ok_and(|data| data.is_dir());
+    if !rules.own_facades().is_empty() && !is_plain {
+        return Err(CityError::File {
+            path: folder,
+            why: "is no folder; the pictures that the rules for facades name lie in it".to_owned(),
+        });
+    }
+    for name in rules.own_facades().iter().flat_map(OwnFacade::pictures) {
+        if pictures.contains_key(name) {
+            continue;
+        }
+        let path = folder.join(name);
+        let mut bytes = Vec::new();
+        let mut file = open_plain(&path)?.take(MAX_PICTURE_BYTES + 1);
+        file.read_to_end(&mut bytes).map_err(CityError::file(&path))?;
+        if bytes.len() as u64 > MAX_PICTURE_BYTES {
+            return Err(CityError::File {
+                path,
+                why: format!("has more than {MAX_PICTURE_BYTES} bytes"),
+            });
+        }
+        // Refused here, not by the first frame.
+        tile(&path, &bytes, [1.0; 2])?;
+        pictures.insert(name.to_owned(), bytes);
+    }
+    Ok(pictures)
+}
+
+/// Writes such pictures beside a city's rules.
+///
+/// # Errors
+/// When one cannot be written.
+pub fn write_pictures(city: &Path, pictures: &BTreeMap<String, Vec<u8>>) -> Result<(), CityError> {
+    let folder = city.join(PICTURES);
+    if !pictures.is_empty() {
+        std::fs::create_dir_all(&folder).map_err(CityError::file(&folder))?;
+    }
+    for (name, bytes) in pictures {
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).map_err(CityError::file(&path))?;
+    }
+    Ok(())
+}
+
+fn tile(path: &Path, bytes: &[u8], size_m: [f64; 2]) -> Result<Canvas, CityError> {
+    facade_from_picture(bytes, size_m).map_err(|why| CityError::File {
+        path: path.to_owned(),
+        why: format!("is no PNG picture of a facade ({why})"),
+    })
+}
+
+/// The tiles of the user's own facades; `beside`: the folder of the file of rules.
+///
+/// # Errors
+/// When a picture cannot be read.
+pub fn own_tiles(beside: &Path, rules: &FacadeRules) -> Result<Vec<OwnTiles>, CityError> {
+    let pictures = pictures(beside, rules)?;
+    let own = rules.own_facades().iter();
+    own.map(|own| {
+        let [a, b, c, d] = own.pictures().map(|name| {
+            let bytes = pictures.get(name).map_or(&[][..], Vec::as_slice);
+            tile(
+                &beside.join(PICTURES).join(name),
+                bytes,
+                [2.0 * own.bay_m, own.storey_m],
+            )
+        });
+        Ok(OwnTiles {
+            bands: [a?, b?, c?, d?],
+            bay_m: own.bay_m,
+        })
+    })
+    .collect()
 }

@@ -10,7 +10,7 @@ use super::city_files::{enclosing_city, foreign, is_city, open_plain};
 use super::durable::sync;
 use super::import_lock::ImportLock;
 use super::layer::Layer;
-use super::rules_file::FACADES;
+use super::rules_file::{FACADES, PICTURES};
 use super::update::{COMMITTED, CityLock, PARTIAL};
 use super::{City, CityError};
 
@@ -28,10 +28,11 @@ const REPLACED: &str = "rilievo replaced";
 /// The marker while it is written.
 const NEW_KEY: &str = "import.cache_key.partial";
 /// What a city folder holds, beside its layers' folders.
-const FILES: [&str; 7] = [
+const FILES: [&str; 8] = [
     "city.toml",
     "buildings.gpkg",
     FACADES,
+    PICTURES,
     PARTIAL,
     COMMITTED,
     CACHE_KEY,

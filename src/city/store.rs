@@ -6,11 +6,11 @@ use std::time::SystemTime;
 use super::city_files::{MAX_TEXT, is_tile_name, read_plain_text, require_plain_folders};
 use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
-use super::rules_file::rules_from_city;
+use super::rules_file::{own_tiles, rules_from_city};
 use super::update::{COMMITTED, Pending};
 use super::{CityError, ImageryTile, Manifest, Tile};
 use crate::buildings::BuildingMap;
-use crate::material::FacadeRules;
+use crate::material::{FacadeRules, OwnTiles};
 use crate::space::TileId;
 
 /// A city on disk.
@@ -107,6 +107,14 @@ impl City {
     /// When the file cannot be read or used.
     pub fn facade_rules(&self) -> Result<FacadeRules, CityError> {
         rules_from_city(&self.folder).map(|(rules, _)| rules)
+    }
+
+    /// The tiles of the user's own facades that its rules name.
+    ///
+    /// # Errors
+    /// When the rules or a picture cannot be read.
+    pub fn own_facades(&self) -> Result<Vec<OwnTiles>, CityError> {
+        own_tiles(&self.folder, &self.facade_rules()?)
     }
 
     /// A tile's path, when it exists as a plain file.

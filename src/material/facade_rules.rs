@@ -5,13 +5,17 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::noise::hash;
-use super::{BuildingMaterial, FacadeStyle, RoofStyle};
+use super::own_facade::{MAX_OWN_FACADES, OwnFacade};
+use super::{BuildingMaterial, Facade, FacadeStyle, RoofStyle};
 use crate::source::BuildingTraits;
 
 /// Rules, in order.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FacadeRules {
+    /// Facades of the user's own.
+    #[serde(default, rename = "facade")]
+    own: Vec<OwnFacade>,
     rule: Vec<Rule>,
 }
 
@@ -28,7 +32,7 @@ struct Rule {
     max_storeys: Option<u32>,
     min_year: Option<i32>,
     max_year: Option<i32>,
-    facades: Vec<FacadeStyle>,
+    facades: Vec<String>,
     roofs: Vec<RoofStyle>,
     #[serde(default)]
     shops: f32,
@@ -46,6 +50,12 @@ pub enum RulesError {
     /// A word is empty, or a part is no part.
     #[error("rule {0} has an empty word among its uses, or shops that are not between 0 and 1")]
     Value(usize),
+    /// A facade of the user's own cannot be used.
+    #[error("facade '{0}': {1}")]
+    Facade(String, &'static str),
+    /// A rule names a facade that there is not.
+    #[error("rule {0} names a facade '{1}', which is neither one of the program's nor described in the file")]
+    Unknown(usize, String),
     /// Some building fits no rule.
     #[error("the last rule has conditions: end with one without, for all other buildings")]
     Open,
@@ -83,6 +93,7 @@ impl FacadeRules {
                 return Err(RulesError::Value(index + 1));
             }
         }
+        rules.check_facades()?;
         let is_empty = |rule: &Rule| rule.facades.is_empty() || rule.roofs.is_empty();
         if let Some(index) = rules.rule.iter().position(is_empty) {
             return Err(RulesError::Empty(index + 1));
@@ -91,6 +102,45 @@ impl FacadeRules {
             true => Ok(rules),
             false => Err(RulesError::Open),
         }
+    }
+
+    /// Facades of the user's own.
+    pub fn own_facades(&self) -> &[OwnFacade] {
+        &self.own
+    }
+
+    fn check_facades(&self) -> Result<(), RulesError> {
+        let refused = |own: &OwnFacade, why| Err(RulesError::Facade(own.name.clone(), why));
+        for (index, own) in self.own.iter().enumerate() {
+            let is_taken =
+                style_of(&own.name).is_some() || self.own[..index].iter().any(|other| other.name == own.name);
+            match own.fault() {
+                Some(why) => return refused(own, why),
+                None if is_taken => return refused(own, "there is another one of that name"),
+                None if index >= MAX_OWN_FACADES => {
+                    return refused(own, "is one more than the 16 that there can be");
+                }
+                None => {}
+            }
+        }
+        let rules = self.rule.iter().enumerate();
+        let mut names = rules.flat_map(|(index, rule)| rule.facades.iter().map(move |name| (index, name)));
+        match names.find(|(_, name)| self.facade(name).is_none()) {
+            Some((index, name)) => Err(RulesError::Unknown(index + 1, name.clone())),
+            None => Ok(()),
+        }
+    }
+
+    fn facade(&self, name: &str) -> Option<Facade> {
+        let own = || {
+            let index = self.own.iter().position(|own| own.name == name)?;
+            Some(Facade {
+                number: (FacadeStyle::ALL.len() + index) as u32,
+                bay_m: self.own[index].bay_m,
+                storey_m: self.own[index].storey_m,
+            })
+        };
+        style_of(name).map(Facade::from).or_else(own)
     }
 
     /// What a building is made of; `height_m`: of its roof above its base.
@@ -118,10 +168,11 @@ impl FacadeRules {
             .find(|rule| rule.fits(&seen))
             .unwrap_or(&fallback);
         let pick = |count: usize, salt: u32| (hash(fid, salt, 17) * count as f32) as usize;
-        let facade = rule.facades.get(pick(rule.facades.len(), 1)).copied();
+        let facade = rule.facades.get(pick(rule.facades.len(), 1));
+        let facade = facade.and_then(|name| self.facade(name));
         let roof = rule.roofs.get(pick(rule.roofs.len(), 2)).copied();
-        let facade = facade.unwrap_or(FacadeStyle::Render);
-        let fitted = storeys.map_or(height_m / facade.storey_m(), f64::from);
+        let facade = facade.unwrap_or(FacadeStyle::Render.into());
+        let fitted = storeys.map_or(height_m / facade.storey_m, f64::from);
         BuildingMaterial {
             facade,
             has_shops: hash(fid, 3, 17) < rule.shops,
@@ -134,8 +185,17 @@ impl FacadeRules {
 
 impl Default for FacadeRules {
     fn default() -> Self {
-        Self::from_text(Self::BUILT_IN).unwrap_or(Self { rule: Vec::new() })
+        Self::from_text(Self::BUILT_IN).unwrap_or(Self {
+            own: Vec::new(),
+            rule: Vec::new(),
+        })
     }
+}
+
+/// The project's facade of a name.
+fn style_of(name: &str) -> Option<FacadeStyle> {
+    let named = serde::de::value::StrDeserializer::<serde::de::value::Error>::new(name);
+    FacadeStyle::deserialize(named).ok()
 }
 
 impl Rule {
@@ -230,26 +290,29 @@ mod tests {
 
     #[test]
     fn the_first_rule_that_fits_counts() {
-        assert_eq!(made(&["warehouse"], None, 9.0).facade, FacadeStyle::Shed);
-        assert_eq!(made(&["church"], None, 20.0).facade, FacadeStyle::Stone);
-        assert_eq!(made(&["townhall"], None, 20.0).facade, FacadeStyle::Stone);
+        assert_eq!(made(&["warehouse"], None, 9.0).facade, FacadeStyle::Shed.into());
+        assert_eq!(made(&["church"], None, 20.0).facade, FacadeStyle::Stone.into());
+        assert_eq!(made(&["townhall"], None, 20.0).facade, FacadeStyle::Stone.into());
         assert_ne!(
             made(&["commercial et services"], None, 9.0).facade,
-            FacadeStyle::Shed
+            FacadeStyle::Shed.into()
         );
         assert!(made(&["bakery", "shop"], None, 9.0).has_shops);
-        assert_eq!(made(&["slab"], Some(5), 15.0).facade, FacadeStyle::Concrete);
+        assert_eq!(
+            made(&["slab"], Some(5), 15.0).facade,
+            FacadeStyle::Concrete.into()
+        );
         let rules = "[[rule]]\nmin_height_m = 5\nfacades = ['brick']\nroofs = ['metal']\n[[rule]]\nfacades = ['house']\nroofs = ['slate']\n";
         let rules = FacadeRules::from_text(rules).unwrap();
         let outline = MultiPolygon::new(Vec::new());
         let of = |height| rules.material(1, &outline, height, &BuildingTraits::default());
         assert_eq!(
             (of(6.0).facade, of(6.0).roof),
-            (FacadeStyle::Brick, RoofStyle::Metal)
+            (FacadeStyle::Brick.into(), RoofStyle::Metal)
         );
         assert_eq!(
             (of(4.0).facade, of(4.0).roof),
-            (FacadeStyle::House, RoofStyle::Slate)
+            (FacadeStyle::House.into(), RoofStyle::Slate)
         );
     }
 
@@ -266,13 +329,30 @@ mod tests {
     fn files_that_cannot_be_used_are_refused() {
         let open = "[[rule]]\nmin_height_m = 5\nfacades = ['brick']\nroofs = ['metal']\n";
         assert_eq!(FacadeRules::from_text(open), Err(RulesError::Open));
+        let unknown = "[[rule]]\nfacades = ['marble']\nroofs = ['metal']";
+        assert_eq!(
+            FacadeRules::from_text(unknown),
+            Err(RulesError::Unknown(1, "marble".to_owned()))
+        );
+        let own = |name: &str, middle: &str| {
+            format!(
+                "[[facade]]\nname = '{name}'\nbay_m = 3\nstorey_m = 3\nmiddle = '{middle}'\n{}",
+                unknown.replace("marble", name)
+            )
+        };
+        assert!(FacadeRules::from_text(&own("marble", "m.png")).is_ok());
+        for (name, middle) in [
+            ("brick", "m.png"),
+            ("a", "/m.png"),
+            ("a", "../m.png"),
+            ("a", "m.jpg"),
+        ] {
+            let refused = FacadeRules::from_text(&own(name, middle));
+            assert!(matches!(refused, Err(RulesError::Facade(..))), "{name} {middle}");
+        }
         let empty = "[[rule]]\nfacades = []\nroofs = ['metal']\n";
         assert_eq!(FacadeRules::from_text(empty), Err(RulesError::Empty(1)));
-        for text in [
-            "rule = 1",
-            "[[rule]]\nfacade = 'brick'",
-            "[[rule]]\nfacades = ['marble']\nroofs = ['metal']",
-        ] {
+        for text in ["rule = 1", "[[rule]]\nfacade = 'brick'"] {
             assert!(
                 matches!(FacadeRules::from_text(text), Err(RulesError::Syntax(_))),
                 "{text}"

@@ -1,8 +1,9 @@
-//! All facades and roofs in two array textures on the device: a layer a band of a facade, then a layer a roof.
+//! All facades and roofs in two array textures on the device: a layer a band of a facade, a layer a roof, then the bands of the user's own
+//! facades.
 
 use rayon::prelude::*;
 
-use super::canvas::{Canvas, TILE_SIZE};
+use super::canvas::{Canvas, TILE_SIZE, WALL_GREY};
 use super::facade_painter::{FacadeBand, paint_facade};
 use super::roof_painter::paint_roof;
 use super::{FacadeStyle, RoofStyle};
@@ -10,6 +11,17 @@ use crate::gpu::{Gpu, GpuError, LayerPool, filled_texture};
 
 /// Layers of facades: the roofs' stand behind them.
 pub const FACADE_LAYERS: u32 = (FacadeStyle::ALL.len() * FacadeBand::ALL.len()) as u32;
+
+/// Layers before those of the user's own facades.
+pub const OWN_LAYERS: u32 = FACADE_LAYERS + RoofStyle::ALL.len() as u32;
+
+/// A facade of the user's own: its tiles, a band each, and the width of a bay, metres.
+pub struct OwnTiles {
+    /// In the order of `FacadeBand::ALL`.
+    pub bands: [Canvas; FacadeBand::ALL.len()],
+    /// The width that a bay comes near to.
+    pub bay_m: f64,
+}
 
 /// The textures.
 pub struct MaterialTextures {
@@ -22,11 +34,11 @@ pub struct MaterialTextures {
 }
 
 impl MaterialTextures {
-    /// Paints and uploads all.
+    /// Paints and uploads all, and the user's own.
     ///
     /// # Errors
     /// When the device cannot hold them.
-    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, own: &[OwnTiles]) -> Result<Self, GpuError> {
         let facades = FacadeStyle::ALL
             .iter()
             .flat_map(|&style| FacadeBand::ALL.map(|band| (style, band)));
@@ -35,7 +47,8 @@ impl MaterialTextures {
             .into_par_iter()
             .map(|(style, band)| paint_facade(style, band));
         let painted = painted.chain(RoofStyle::ALL.into_par_iter().map(paint_roof));
-        let tiles: Vec<_> = painted.map(|canvas: Canvas| canvas.levels()).collect();
+        let mut tiles: Vec<_> = painted.map(|canvas: Canvas| canvas.levels()).collect();
+        tiles.extend(own.iter().flat_map(|facade| &facade.bands).map(Canvas::levels));
         let size = TILE_SIZE.map(|side| side as u32);
         let levels = tiles.first().map_or(1, Vec::len) as u32;
         let pool = |label, format| LayerPool::new(gpu, label, format, size, levels);
@@ -51,11 +64,14 @@ impl MaterialTextures {
                 detail.write(gpu, layers[1], level, &texels.detail);
             }
         }
-        let colours: Vec<[f32; 4]> = FacadeStyle::ALL
+        let painted = FacadeStyle::ALL
             .iter()
-            .flat_map(|style| style.colours().map(|[r, g, b]| [r, g, b, style.bay_m() as f32]))
-            .collect();
-        let rows = [4, FacadeStyle::ALL.len() as u32];
+            .flat_map(|style| style.colours().map(|[r, g, b]| [r, g, b, style.bay_m() as f32]));
+        let pictured = own
+            .iter()
+            .flat_map(|facade| [[WALL_GREY, WALL_GREY, WALL_GREY, facade.bay_m as f32]; 4]);
+        let colours: Vec<[f32; 4]> = painted.chain(pictured).collect();
+        let rows = [4, (FacadeStyle::ALL.len() + own.len()) as u32];
         let format = wgpu::TextureFormat::Rgba32Float;
         Ok(Self {
             colour,

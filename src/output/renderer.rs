@@ -47,7 +47,7 @@ impl Renderer {
     pub fn open(gpu: Gpu, city: &City, options: impl Into<PoolOptions>) -> Result<Self, RenderError> {
         let resident = Resident::open(&gpu, city, options.into())?;
         let renderer = Self {
-            relief: ReliefPass::new(&gpu, &resident)?,
+            relief: ReliefPass::new(&gpu, &resident, &city.own_facades()?)?,
             accumulate: AccumulatePass::new(&gpu),
             temporal: TemporalPass::new(&gpu),
             moving_frames: 0,

@@ -122,7 +122,7 @@ impl BuildingMesh {
     }
 
     fn add_walls(&mut self, building: &Building, ring: &LineString<f64>, origin: DVec3) {
-        let bays = facade_coordinates(ring, building.material.facade.bay_m());
+        let bays = facade_coordinates(ring, building.material.facade.bay_m);
         for (edge, bays) in ring.lines().zip(bays.windows(2)) {
             let length = edge.dx().hypot(edge.dy());
             let normal = pack_normal([edge.dy() / length, -edge.dx() / length, 0.0]);

@@ -11,7 +11,7 @@ use crate::gpu::{
     BySize, FILTERED, FLOAT, Gpu, GpuError, PipelineParameters, SAMPLER, color_target, shader_module,
     texture, texture_array,
 };
-use crate::material::MaterialTextures;
+use crate::material::{MaterialTextures, OwnTiles};
 use crate::scene::ImageryPool;
 
 /// The pipeline.
@@ -51,7 +51,11 @@ impl LightPass {
     ///
     /// # Errors
     /// When the device cannot hold the materials.
-    pub fn new(gpu: &Gpu, [frame, city]: [&wgpu::BindGroupLayout; 2]) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        [frame, city]: [&wgpu::BindGroupLayout; 2],
+        own: &[OwnTiles],
+    ) -> Result<Self, GpuError> {
         let module = shader_module(gpu, &LIGHT);
         let input_layout = gpu.layout("shade input", &Self::INPUT);
         let targets = [
@@ -66,7 +70,7 @@ impl LightPass {
             )),
             sampler: gpu.linear_sampler("imagery", true),
             tiling_sampler: gpu.tiling_sampler("materials"),
-            materials: MaterialTextures::new(gpu)?,
+            materials: MaterialTextures::new(gpu, own)?,
             sky: SkyTables::new(gpu)?,
             sun_bounds: SunBoundsTexture::new(gpu)?,
             input_layout,

@@ -15,6 +15,7 @@ use super::settings::ReliefMode;
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
 use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
+use crate::material::OwnTiles;
 use crate::scene::{Frustum, Resident};
 use crate::space::Sun;
 
@@ -38,11 +39,11 @@ impl ReliefPass {
     /// Group 0: the frame.
     pub const FRAME: [wgpu::BindingType; 1] = [UNIFORM];
 
-    /// Compiles the pipelines.
+    /// Compiles the pipelines; `own`: facades of the user's own.
     ///
     /// # Errors
     /// When the device cannot hold the materials.
-    pub fn new(gpu: &Gpu, resident: &Resident) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, resident: &Resident, own: &[OwnTiles]) -> Result<Self, GpuError> {
         let uniforms = Uniform::new(gpu, "frame");
         let frame_layout = gpu.layout("frame", &Self::FRAME);
         let city = CityBindings::new(gpu, resident);
@@ -55,7 +56,7 @@ impl ReliefPass {
             exact: ExactPass::new(gpu, layouts),
             search: SearchPass::new(gpu, layouts),
             ambient: AmbientPass::new(gpu, layouts),
-            shade: LightPass::new(gpu, layouts)?,
+            shade: LightPass::new(gpu, layouts, own)?,
             polygons: None,
             targets: BySize::default(),
             frame_layout,

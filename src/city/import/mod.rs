@@ -39,13 +39,14 @@ pub use options::{ImportOptions, Setting};
 pub use warnings::ImportWarning;
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use geo::CoordsIter;
 
 use super::geotiff::GeoKeys;
 use super::ground_cache::GroundCache;
 use super::manifest::FORMAT;
-use super::rules_file::{FACADES, read_rules, rules_from_city};
+use super::rules_file::{FACADES, pictures, read_rules, rules_from_city, write_pictures};
 use super::staging::Staging;
 use super::writer::TileWriter;
 use super::{CityError, Manifest};
@@ -105,6 +106,11 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         Some(path) => read_rules(path)?,
         None => rules_from_city(&options.out)?,
     };
+    let beside = match &options.facades {
+        Some(path) => path.parent().unwrap_or(Path::new("")),
+        None => &options.out,
+    };
+    let facade_pictures = pictures(beside, &rules)?;
     let files = source_files(options);
     refuse_inputs_inside(options, &files)?;
     let cache_key = cache_key(options, &rules_text, &files);
@@ -236,6 +242,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     }
     let path = folder.join(FACADES);
     std::fs::write(&path, &rules_text).map_err(CityError::file(&path))?;
+    write_pictures(folder, &facade_pictures)?;
     let path = folder.join("city.toml");
     std::fs::write(&path, text).map_err(CityError::file(&path))?;
     if let Some(path) = cache_key.changed_file() {

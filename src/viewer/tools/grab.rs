@@ -103,7 +103,7 @@ mod tests {
             base_m: 0.0,
             roof_m: 8.0,
             material: BuildingMaterial {
-                facade: FacadeStyle::ALL[0],
+                facade: FacadeStyle::ALL[0].into(),
                 has_shops: false,
                 roof: RoofStyle::ALL[0],
                 storeys: 2,
