@@ -93,3 +93,34 @@ pub fn fitted(mut grid: RayGrid, linear: &LinearGhost, losses: &Losses, fit: Fit
     }
     grid
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Far below the limit the linear image, far beyond it the nonlinear one; between them both fade, and alpha keeps the linear one below.
+    #[test]
+    fn fractions_pass_from_linear_to_nonlinear() {
+        let at = |blend, error: f64| fractions(blend, error * LINEAR_ENOUGH);
+        assert_eq!(
+            [at(Blend::Add, 0.9), at(Blend::Add, 1.1)],
+            [[1.0, 0.0], [0.0, 1.0]]
+        );
+        assert_eq!(
+            [at(Blend::Interpolate, 0.0), at(Blend::Interpolate, 9.0)],
+            [[1.0, 0.0], [0.0, 1.0]]
+        );
+        assert_eq!(
+            [at(Blend::Alpha, 0.0), at(Blend::Alpha, 9.0)],
+            [[1.0, 0.0], [1.0, 1.0]]
+        );
+        let mut before = 0.0;
+        for step in 0..=20 {
+            let error = 0.1 * f64::from(step);
+            let [linear, nonlinear] = at(Blend::Interpolate, error);
+            assert!((linear + nonlinear - 1.0).abs() < 1e-12 && nonlinear >= before);
+            assert_eq!(at(Blend::Alpha, error), [1.0, nonlinear]);
+            before = nonlinear;
+        }
+    }
+}
