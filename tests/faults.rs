@@ -289,6 +289,51 @@ fn a_killed_import_leaves_the_old_city_or_the_new_one() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
+/// Killed at any moment a film's frames are whole ones of that film; run again it is finished.
+#[test]
+fn a_killed_film_holds_whole_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let flight = folder.path().join("flight.json");
+    fs::write(
+        &flight,
+        r#"[{"t": 0, "eye": [288900, 4772600, 400], "look": [289180, 4773000, 215]}, {"t": 1, "eye": [289200, 4772950, 290], "look": [289400, 4773100, 215]}]"#,
+    )
+    .unwrap();
+    let film = |out: &Path| -> Vec<String> {
+        let city = sample().join("city");
+        let mut all: Vec<String> = vec!["film".to_owned(), city.display().to_string()];
+        all.extend(["--path".to_owned(), flight.display().to_string()]);
+        all.extend(["--fps", "8", "--size", "64x36", "--samples", "1", "--out"].map(str::to_owned));
+        all.push(out.display().to_string());
+        all
+    };
+    let whole = folder.path().join("whole");
+    let begun = Instant::now();
+    succeed(&film(&whole));
+    let took = begun.elapsed();
+    let frames = contents(&whole);
+    let out = folder.path().join("film");
+    let kills = faults(4);
+    for k in 0..kills {
+        kill(
+            &film(&out),
+            took.mul_f64(1.1 * f64::from(k + 1) / f64::from(kills)),
+        );
+        if out.is_dir() {
+            let ours = contents(&out).into_iter();
+            let mut pictures =
+                ours.filter(|(name, _)| name.extension().is_some_and(|ending| ending == "png"));
+            assert!(
+                pictures.all(|frame| frames.contains(&frame)),
+                "kill {k}: a frame is not whole"
+            );
+        }
+        succeed(&film(&out));
+        assert!(contents(&out) == frames, "kill {k}: not the film");
+        fs::remove_dir_all(&out).unwrap();
+    }
+}
+
 /// Starts the program and kills it after a while.
 fn kill(arguments: &[String], after: Duration) {
     let mut program = Command::new(PROGRAM)

@@ -32,7 +32,7 @@
 //! | B 5, 18 | picked by the angle, rotated about the axis with the light, and blended with the linear part | `FlareSource::rotated`, `EvaluatedImage::rotation`, `Blend` | `patterns_turn_with_the_light` |
 //! | B 6 | size and brightness fitted to the linear ghosts | `blend::fitted` | `nonlinear_ghosts_can_be_fitted_to_linear_ones` |
 //! | B 7 | blended by addition | `blend::fractions`, `Blend` | `each_mode_comes_near_dense_exact_rays` |
-//! | B 8, 9 | by interpolation, by alpha | `blend::fractions`, `FlareEffect` | `blends_pass_from_linear_to_nonlinear` |
+//! | B 8, 9 | by interpolation, by alpha | `blend::fractions`, `FlareEffect` | `blends_pass_from_linear_to_nonlinear`, `fractions_pass_from_linear_to_nonlinear` |
 //! | B 10, 19 | photographed patterns alone, without linear ones | `GhostTable::at`, `ImageTable::with_linear` | `photographed_patterns_are_drawn_alone` |
 //! | B 11 | a table over two angles, compressed, in its file | `bake_images`, `write_table` | `patterns_turn_with_the_light` |
 //! | B 14, 20 | traced patterns, by one angle or two, and photographed ones in one packed table | `GhostTable::with_photos`, `write_table` | `one_table_holds_traced_and_photographed_patterns` |
