@@ -185,6 +185,16 @@ fn quarter(radiance: &[[f32; 3]]) -> Vec<[f32; 3]> {
         .collect()
 }
 
+/// A photo of radiance, exposed for its brightest pixel, RGBA; and that.
+fn photo_of(radiance: &[[f32; 3]]) -> (Vec<u8>, f32) {
+    let peak = radiance.iter().flatten().fold(0.0_f32, |most, &v| most.max(v));
+    let pixel = |rgb: &[f32; 3]| {
+        let [r, g, b] = rgb.map(|v| srgb(v / peak));
+        [r, g, b, 255]
+    };
+    (radiance.iter().flat_map(pixel).collect(), peak)
+}
+
 /// KR 10-1658883, claims 3 and 16 (patterns out of photos and out of a video of the light's passage), 14 and 20 (traced patterns, of one
 /// angle and of two, and photographed ones in one table), 4 and 17 (the choice between them when they are drawn).
 #[test]
@@ -208,19 +218,7 @@ fn one_table_holds_traced_and_photographed_patterns() {
                 SIZE,
             )
             .unwrap();
-        let peak = shot
-            .radiance
-            .iter()
-            .flatten()
-            .fold(0.0_f32, |most, &v| most.max(v));
-        let photo: Vec<u8> = shot
-            .radiance
-            .iter()
-            .flat_map(|rgb| {
-                let [r, g, b] = rgb.map(|v| srgb(v / peak));
-                [r, g, b, 255]
-            })
-            .collect();
+        let (photo, _) = photo_of(&shot.radiance);
         write_png(&folder.path().join(format!("{degrees}.png")), SIZE, &photo).unwrap();
         list += &format!("{degrees}.png,{degrees}\n");
     }
@@ -285,7 +283,7 @@ fn one_table_holds_traced_and_photographed_patterns() {
         size: 120,
     };
     for traced in [
-        GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap()),
+        GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4)),
         GhostTable::of_images(bake_images(&mut imager, &base, knots).unwrap()),
     ] {
         let both = stored(&traced.clone().with_photos(Some(filmed.clone())), "both");
@@ -366,10 +364,7 @@ fn patterns_turn_with_the_light() {
         assert!(opened == table, "{name}");
         Arc::new(opened)
     };
-    let rays = stored(
-        GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap()),
-        "rays",
-    );
+    let rays = stored(GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4)), "rays");
     let knots = ImageKnots {
         max_angle: 0.34,
         angles: 3,
@@ -381,19 +376,7 @@ fn patterns_turn_with_the_light() {
         "images",
     );
     let shot = imager.draw(&at(0.0, None), SIZE).unwrap();
-    let peak = shot
-        .radiance
-        .iter()
-        .flatten()
-        .fold(0.0_f32, |most, &v| most.max(v));
-    let photo: Vec<u8> = shot
-        .radiance
-        .iter()
-        .flat_map(|rgb| {
-            let [r, g, b] = rgb.map(|v| srgb(v / peak));
-            [r, g, b, 255]
-        })
-        .collect();
+    let (photo, peak) = photo_of(&shot.radiance);
     write_png(&folder.path().join("a.png"), SIZE, &photo).unwrap();
     let list = folder.path().join("list.csv");
     let degrees = 0.17_f64.to_degrees();

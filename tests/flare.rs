@@ -188,7 +188,7 @@ fn the_table_comes_near_dense_exact_rays() {
     for name in ["heliar", "tessar", "angenieux"] {
         let lens = lens(name);
         let path = folder.path().join(name);
-        let baked = GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4).unwrap());
+        let baked = GhostTable::of_rays(FlareTable::bake(&lens, 8.0, 0.4));
         let bytes = write_table(&path, &lens, baked.clone()).unwrap();
         assert!(bytes < 4_000_000, "{name}: {bytes} bytes");
         let opened = open_table(&path, &lens, 8.0).unwrap();
@@ -214,7 +214,7 @@ fn the_table_comes_near_dense_exact_rays() {
 fn damaged_tables_and_other_lenses_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.flare");
-    let table = GhostTable::of_rays(FlareTable::bake(&lens("tessar"), 8.0, 0.3).unwrap());
+    let table = GhostTable::of_rays(FlareTable::bake(&lens("tessar"), 8.0, 0.3));
     write_table(&path, &lens("tessar"), table).unwrap();
     let refusal = |path: &std::path::Path, name| open_table(path, &lens(name), 8.0).unwrap_err().to_string();
     assert!(refusal(&path, "heliar").contains("another lens"));

@@ -50,6 +50,14 @@ fn compare(a: &[u8], b: &[u8]) -> (f64, f64) {
     (psnr, sum / windows)
 }
 
+/// Peak signal-to-noise ratio of linear radiance, white = 1 at an exposure, dB.
+fn linear_psnr(a: &[[f32; 3]], b: &[[f32; 3]], exposure: f32) -> f64 {
+    let value = |v: f32| f64::from((v * exposure).min(1.0));
+    let pairs = a.iter().flatten().zip(b.iter().flatten());
+    let square: f64 = pairs.map(|(&a, &b)| (value(a) - value(b)).powi(2)).sum();
+    -10.0 * (square / (3 * a.len()) as f64).max(1e-12).log10()
+}
+
 /// Mean and least of PSNR and SSIM over angles to 20 degrees.
 fn reach(gpu: &Gpu, file: &str, f_number: f64) -> [f64; 4] {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -66,12 +74,12 @@ fn reach(gpu: &Gpu, file: &str, f_number: f64) -> [f64; 4] {
     let start = Instant::now();
     let folder = tempfile::tempdir().unwrap();
     let file_path = folder.path().join("t.flare");
-    let baked = FlareTable::bake(&lens, f_number, (1.35 * corner).clamp(0.37, 1.2)).unwrap();
+    let baked = FlareTable::bake(&lens, f_number, (1.35 * corner).clamp(0.37, 1.2));
     let seconds = start.elapsed().as_secs_f64();
     let bytes = write_table(&file_path, &lens, GhostTable::of_rays(baked)).unwrap();
     let table = Arc::new(open_table(&file_path, &lens, f_number).unwrap());
     let mut imager = FlareImager::new(gpu);
-    let (mut all, mut least) = ([0.0; 2], [f64::INFINITY; 2]);
+    let (mut all, mut least, mut linear) = ([0.0; 2], [f64::INFINITY; 2], 0.0);
     let angles = [0.4_f64, 2.9, 5.3, 7.7, 10.6, 13.1, 16.3, 19.4];
     for degrees in angles {
         let mut drawn = |mode, rays, table: Option<&Arc<GhostTable>>| {
@@ -97,6 +105,7 @@ fn reach(gpu: &Gpu, file: &str, f_number: f64) -> [f64; 4] {
         let dense = drawn(FlareMode::Exact, 80, None);
         let evaluated = drawn(FlareMode::Blended, 40, Some(&table));
         let exposure = auto_exposure(&dense);
+        linear += linear_psnr(&dense, &evaluated, exposure) / angles.len() as f64;
         let (psnr, ssim) = compare(&tone_mapped(&dense, exposure), &tone_mapped(&evaluated, exposure));
         for (k, value) in [psnr, ssim].into_iter().enumerate() {
             all[k] += value / angles.len() as f64;
@@ -104,7 +113,7 @@ fn reach(gpu: &Gpu, file: &str, f_number: f64) -> [f64; 4] {
         }
     }
     println!(
-        "{file} f/{f_number}: {:.2} dB (least {:.2}), SSIM {:.4} (least {:.4}); {:.2} MB, baked in {seconds:.1} s",
+        "{file} f/{f_number}: {:.2} dB (least {:.2}), SSIM {:.4} (least {:.4}), in linear light {linear:.2} dB; {:.2} MB, baked in {seconds:.1} s",
         all[0],
         least[0],
         all[1],

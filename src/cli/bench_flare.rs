@@ -48,7 +48,7 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
         let ghost_count = single_crossing_ghosts(&lens).len();
         let start = std::time::Instant::now();
         let max_angle = super::lens_flags::max_angle(&lens);
-        let table = FlareTable::bake(&lens, F_NUMBER, max_angle).map_err(RenderError::from)?;
+        let table = FlareTable::bake(&lens, F_NUMBER, max_angle);
         let bake_ms = start.elapsed().as_secs_f64() * 1e3;
         let bytes = table.bytes();
         let tabled = table.len();

@@ -145,7 +145,7 @@ fn traced(args: &BakeArgs, lens: &Arc<Lens>, f_number: f64) -> Result<GhostTable
 /// Bakes a lens's rays to beyond the corner of its film, and says how large they are.
 pub fn bake_rays(lens: &Lens, f_number: f64) -> Result<FlareTable, CommandError> {
     let start = std::time::Instant::now();
-    let table = FlareTable::bake(lens, f_number, max_angle(lens)).map_err(RenderError::from)?;
+    let table = FlareTable::bake(lens, f_number, max_angle(lens));
     say!(
         "table: {} ghosts, {} left to be traced, {} angles in all, {:.2} MB, {:.0} ms to bake",
         table.len(),

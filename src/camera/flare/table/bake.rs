@@ -1,6 +1,7 @@
 //! Traces a lens's table: of many angles those become knots where the interpolation between others is worst, until it is near
 //! enough at all.
 
+use std::cell::OnceCell;
 use std::collections::HashMap;
 
 use glam::DVec2;
@@ -11,19 +12,18 @@ use super::ray_table::{FlareTable, TabledGhost, between, smooth};
 use crate::camera::flare::ghost::grid::{CLOSER_LOOKS, MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
 use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity};
-use crate::camera::flare::ghost::tracing::Tracing;
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
-use crate::camera::ray_bundles::Bundle;
-use crate::camera::trace::{Tracer, beam_direction};
-use crate::gpu::GpuError;
+use crate::camera::trace::{TracedRay, Tracer, beam_direction};
 
 /// Angles that are traced, at least, and at most so far apart, radians; those become knots that the others do not tell.
 const MIN_ANGLES: usize = 41;
 const ANGLE_STEP: f64 = 0.007;
 /// Interpolation error that is near enough, as a fraction of the sensor's half diagonal.
 const NEAR_ENOUGH: f64 = 0.006;
+/// Angles between two knots at which interpolation is tested at most.
+const MAX_TESTED_BETWEEN: usize = 7;
 /// Angles to either side over which windows are smoothed.
 const SMOOTH_ANGLES: usize = 2;
 /// Nonlinearity error that stands for a ghost without light.
@@ -31,11 +31,11 @@ const FAR_OFF: f64 = 1e3;
 
 impl FlareTable {
     /// Traces all ghosts that are nonlinear at any angle up to `max_angle` radians.
-    pub fn bake(lens: &Lens, f_number: f64, max_angle: f64) -> Result<Self, GpuError> {
-        let tabled = single_crossing_ghosts(lens)
+    pub fn bake(lens: &Lens, f_number: f64, max_angle: f64) -> Self {
+        let tabled: Vec<Tabled> = single_crossing_ghosts(lens)
             .into_par_iter()
             .map(|ghost| tabled(lens, ghost, f_number, max_angle))
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect();
         let (mut ghosts, mut traced) = (Vec::new(), Vec::new());
         for ghost in tabled {
             match ghost {
@@ -44,12 +44,12 @@ impl FlareTable {
                 Tabled::Traced(Ghost { first, second }) => traced.push([first, second]),
             }
         }
-        Ok(Self {
+        Self {
             f_number,
             max_angle,
             ghosts,
             traced,
-        })
+        }
     }
 }
 
@@ -64,12 +64,12 @@ enum Tabled {
 }
 
 /// What a table has of a ghost.
-fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Tabled, GpuError> {
+fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Tabled {
     let angles = ((max_angle / ANGLE_STEP).ceil() as usize + 1).max(MIN_ANGLES);
     let optics: Vec<Optics<'_>> = (0..angles)
         .map(|k| Optics::new(lens, ghost, max_angle * k as f64 / (angles - 1) as f64, f_number))
         .collect();
-    let windows = optics.iter().map(Optics::window).collect::<Result<Vec<_>, _>>()?;
+    let windows: Vec<Option<[DVec2; 2]>> = optics.iter().map(Optics::window).collect();
     let nonlinearity_errors: Vec<f64> = optics
         .iter()
         .map(|optics| nonlinearity(lens, ghost, optics.angle, f_number).unwrap_or(FAR_OFF))
@@ -79,7 +79,7 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Ta
         .zip(&windows)
         .filter(|(_, window)| window.is_some());
     if !lit.any(|(nonlinearity_error, _)| *nonlinearity_error > LINEAR_ENOUGH) {
-        return Ok(Tabled::Linear);
+        return Tabled::Linear;
     }
     let near = Nearness {
         sensor_mm: NEAR_ENOUGH * 0.5 * lens.film_mm[0].hypot(lens.film_mm[1]),
@@ -88,50 +88,49 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Ta
             .abs()
             .min(optics[0].linear.barrel_mm),
     };
-    let Some(size) = size_needed(&optics, &windows, &near)? else {
-        return Ok(Tabled::Traced(ghost));
+    let Some(size) = size_needed(&optics, &windows, &near) else {
+        return Tabled::Traced(ghost);
     };
     let is_lit = |k: usize| windows.get(k).is_some_and(Option::is_some);
-    let all = optics
-        .iter()
-        .enumerate()
-        .map(|(k, optics)| {
-            // Beside light, also where none comes through: its rays, all vignetted somewhere, tell how the ghost closes.
+    // Beside light, also where none comes through: its rays, all vignetted somewhere, tell how the ghost closes.
+    let lights: Vec<Option<[DVec2; 2]>> = (0..angles)
+        .map(|k| {
             let is_beside = is_lit(k) || is_lit(k + 1) || k > 0 && is_lit(k - 1);
-            let window = is_beside.then(|| widened(&windows, k)).flatten();
-            Ok(Knot {
-                angle: optics.angle,
-                nonlinearity_error: nonlinearity_errors[k].min(FAR_OFF) as f32,
-                light: window.map(|window| optics.light(window, size)).transpose()?,
-            })
+            is_beside.then(|| widened(&windows, k)).flatten()
         })
-        .collect::<Result<Vec<_>, GpuError>>()?;
+        .collect();
+    // Those that are asked for.
+    let known: Vec<OnceCell<Option<(Light, Unpacked)>>> = (0..angles).map(|_| OnceCell::new()).collect();
+    let light_at = |k: usize| {
+        let traced = || {
+            let light = optics[k].light(lights[k]?, size);
+            let unpacked = light.unpack();
+            Some((light, unpacked))
+        };
+        known[k].get_or_init(traced).as_ref()
+    };
     // The ends, and both sides of where light begins or ends.
     let mut is_knot: Vec<bool> = (0..angles)
         .map(|k| {
-            let begins = |a: usize, b: usize| all[a].light.is_some() != all[b].light.is_some();
+            let begins = |a: usize, b: usize| lights[a].is_some() != lights[b].is_some();
             k == 0 || k == angles - 1 || begins(k, k + 1) || begins(k - 1, k)
         })
         .collect();
-    let grids: Vec<Option<Unpacked>> = all
-        .iter()
-        .map(|knot| knot.light.as_ref().map(Light::unpack))
-        .collect();
-    let grid_at = |k: Option<usize>| Some((all.get(k?)?.angle, grids[k?].as_ref()?));
+    let grid_at = |k: Option<usize>| Some((optics.get(k?)?.angle, &light_at(k?)?.1));
     // The worst angle between two knots, told by them and the next on either side.
-    let mut known: HashMap<[Option<usize>; 4], Option<usize>> = HashMap::new();
+    let mut worst_known: HashMap<[Option<usize>; 4], Option<usize>> = HashMap::new();
     loop {
         let knots_at: Vec<usize> = (0..angles).filter(|&k| is_knot[k]).collect();
         let worst_of = |around: &[Option<usize>; 4]| {
             let [_, Some(lower), Some(upper), _] = *around else {
                 return None;
             };
-            let off = |k: usize| match (&grids[k], between(around.map(grid_at), all[k].angle)) {
+            let off = |k: usize| match (light_at(k), between(around.map(grid_at), optics[k].angle)) {
                 (None, None) => 0.0,
-                (Some(grid), Some(guess)) => near.off(grid, &guess),
+                (Some((_, grid)), Some(guess)) => near.off(grid, &guess),
                 _ => f64::INFINITY,
             };
-            let (k, max) = (lower + 1..upper)
+            let (k, max) = tested(lower, upper)
                 .map(|k| (k, off(k)))
                 .max_by(|a, b| a.1.total_cmp(&b.1))?;
             (max > 1.0).then_some(k)
@@ -140,20 +139,32 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Result<Ta
             .filter_map(|next| {
                 let knot = |index: Option<usize>| knots_at.get(index?).copied();
                 let around = [next.checked_sub(2), Some(next - 1), Some(next), Some(next + 1)].map(knot);
-                *known.entry(around).or_insert_with_key(worst_of)
+                *worst_known.entry(around).or_insert_with_key(worst_of)
             })
             .collect();
         if worst.is_empty() {
-            return Ok(Tabled::Grids(TabledGhost {
+            let knot = |k: usize| Knot {
+                angle: optics[k].angle,
+                nonlinearity_error: nonlinearity_errors[k].min(FAR_OFF) as f32,
+                light: light_at(k).map(|(light, _)| light.clone()),
+            };
+            return Tabled::Grids(TabledGhost {
                 first: ghost.first,
                 second: ghost.second,
-                knots: knots_at.into_iter().map(|k| all[k].clone()).collect(),
-            }));
+                knots: knots_at.into_iter().map(knot).collect(),
+            });
         }
         for k in worst {
             is_knot[k] = true;
         }
     }
+}
+
+/// Angles between two knots at which interpolation is tested: all of a few, some of many, which become fewer as knots come between.
+fn tested(lower: usize, upper: usize) -> impl Iterator<Item = usize> {
+    let between = upper - lower - 1;
+    let count = between.min(MAX_TESTED_BETWEEN);
+    (1..=count).map(move |k| lower + (k * (between + 1) + count.div_ceil(2)) / (count + 1))
 }
 
 /// A window that holds the one at `k` and changes smoothly from angle to angle, as the rays of a grid do only if it does: the
@@ -188,11 +199,7 @@ const MAX_OFF_FRACTION: f64 = 0.05;
 
 /// Rays along an edge of a ghost's grids: the least of `SIZES` by which the rays between a grid's are near enough, at angles spread over
 /// those with light. None where not even the finest is anywhere near.
-fn size_needed(
-    optics: &[Optics<'_>],
-    windows: &[Option<[DVec2; 2]>],
-    near: &Nearness,
-) -> Result<Option<usize>, GpuError> {
+fn size_needed(optics: &[Optics<'_>], windows: &[Option<[DVec2; 2]>], near: &Nearness) -> Option<usize> {
     let lit: Vec<usize> = (0..windows.len()).filter(|&k| windows[k].is_some()).collect();
     let step = lit.len().div_ceil(TESTED_ANGLES).max(1);
     let tested: Vec<(usize, [DVec2; 2])> = lit
@@ -204,13 +211,13 @@ fn size_needed(
     for size in SIZES {
         let (mut off, mut all) = (0, 0);
         for &(k, window) in &tested {
-            let mut grid = optics[k].grid(D_LINE_UM, window, size)?;
+            let mut grid = optics[k].grid(D_LINE_UM, window, size);
             let passing = grid.rays.iter().map(|ray| ray.as_ref().map(values_of));
             let edge = near.edge(passing, window, size * size);
             grid.extend();
             let known: Vec<Option<Values>> =
                 grid.rays.iter().map(|ray| ray.as_ref().map(values_of)).collect();
-            let between = optics[k].grid(D_LINE_UM, window, 2 * size - 1)?;
+            let between = optics[k].grid(D_LINE_UM, window, 2 * size - 1);
             for (index, ray) in between.rays.iter().enumerate() {
                 let at = DVec2::new((index % between.size) as f64, (index / between.size) as f64) * 0.5;
                 let truth = ray.as_ref().map(values_of);
@@ -222,11 +229,11 @@ fn size_needed(
         }
         off_fraction = off as f64 / f64::from(all.max(1));
         if off_fraction <= OFF_FRACTION {
-            return Ok(Some(size));
+            return Some(size);
         }
     }
     let [.., finest] = SIZES;
-    Ok((off_fraction <= MAX_OFF_FRACTION).then_some(finest))
+    (off_fraction <= MAX_OFF_FRACTION).then_some(finest)
 }
 
 /// When two grids of a ghost are as good as the same.
@@ -310,37 +317,51 @@ impl<'a> Optics<'a> {
     }
 
     /// The part of the entrance that lets light through.
-    fn window(&self) -> Result<Option<[DVec2; 2]>, GpuError> {
+    fn window(&self) -> Option<[DVec2; 2]> {
         let all = DVec2::splat(self.linear.barrel_mm);
-        let mut search = self.grid(D_LINE_UM, [-all, all], SEARCH_RAYS)?;
+        let mut search = self.grid(D_LINE_UM, [-all, all], SEARCH_RAYS);
         for _ in 0..CLOSER_LOOKS {
             match search.closer(&self.linear) {
-                Some(part) => search = self.grid(D_LINE_UM, part, SEARCH_RAYS)?,
+                Some(part) => search = self.grid(D_LINE_UM, part, SEARCH_RAYS),
                 None => break,
             }
         }
-        Ok(search.window(&self.linear, MARGIN_STOP))
+        search.window(&self.linear, MARGIN_STOP)
     }
 
-    fn grid(&self, wavelength_um: f64, [min, max]: [DVec2; 2], size: usize) -> Result<RayGrid, GpuError> {
-        let bundle = Bundle {
-            ghost: Some(self.ghost),
-            wavelength_um,
-            angle: self.angle,
+    /// Rays over a window. Where it lies evenly about the beam's plane, one half is the mirror image of the other.
+    fn grid(&self, wavelength_um: f64, [min, max]: [DVec2; 2], size: usize) -> RayGrid {
+        let tracer = Tracer::new(self.lens, wavelength_um, self.sensor_gap_mm);
+        let direction = beam_direction(self.angle);
+        let mut grid = RayGrid {
             min,
             max,
+            size,
+            rays: vec![None; size * size],
         };
-        let mut grids = Tracing::Cpu.grids(self.lens, self.sensor_gap_mm, &[bundle], size)?;
-        Ok(grids.swap_remove(0))
+        let is_even = (min.y + max.y).abs() < 1e-9 * (max.y - min.y);
+        let rows = if is_even { size.div_ceil(2) } else { size };
+        for k in 0..rows * size {
+            grid.rays[k] = tracer.trace(Some(self.ghost), grid.entry(k), direction);
+        }
+        let mirrored = |ray: TracedRay| TracedRay {
+            sensor_mm: ray.sensor_mm * DVec2::new(1.0, -1.0),
+            stop_mm: ray.stop_mm * DVec2::new(1.0, -1.0),
+            ..ray
+        };
+        for k in rows * size..size * size {
+            let (column, row) = (k % size, k / size);
+            grid.rays[k] = grid.rays[(size - 1 - row) * size + column].map(mirrored);
+        }
+        grid
     }
 
-    fn light(&self, window: [DVec2; 2], size: usize) -> Result<Light, GpuError> {
-        let [blue, red] = COLOURS_UM.map(|um| self.grid(um, window, size));
-        let (mut blue, mut red) = (blue?, red?);
+    fn light(&self, window: [DVec2; 2], size: usize) -> Light {
+        let [mut blue, mut red] = COLOURS_UM.map(|um| self.grid(um, window, size));
         let curve = self.curve(&blue);
         blue.extend();
         red.extend();
-        Ok(Light::packed([&blue, &red], curve))
+        Light::packed([&blue, &red], curve)
     }
 
     /// Power of the passing ray nearest to the centre of those, by wavelength.
