@@ -267,7 +267,9 @@ fn a_killed_import_leaves_the_old_city_or_the_new_one() {
             &imports[next],
             whole.mul_f64(1.1 * f64::from(k + 1) / f64::from(kills)),
         );
-        let now = contents(&city);
+        // Besides the mark of an import that was about to replace it.
+        let mut now = contents(&city);
+        now.retain(|(name, _)| !name.to_string_lossy().starts_with("import.cache_key"));
         if now == cities[next] {
             replaced += 1;
         } else {

@@ -29,11 +29,20 @@ pub type Rect = [f32; 4];
 impl Canvas {
     /// A tile of `size_m` metres, every texel by its position, metres.
     pub fn new(size_m: [f32; 2], texel: impl Fn([f32; 2]) -> Texel) -> Self {
+        Self::sampled(size_m, [1, 1], texel)
+    }
+
+    /// The same by the mean of some places of each texel, along u and v: joints are narrower than a texel.
+    pub fn sampled(size_m: [f32; 2], samples: [usize; 2], texel: impl Fn([f32; 2]) -> Texel) -> Self {
         let [width, height] = TILE_SIZE;
+        let [across, up] = samples;
         let at = |k: usize| {
-            let x = ((k % width) as f32 + 0.5) / width as f32 * size_m[0];
-            let y = ((k / width) as f32 + 0.5) / height as f32 * size_m[1];
-            texel([x, y])
+            let place = |j: usize| {
+                let x = ((k % width) as f32 + ((j % across) as f32 + 0.5) / across as f32) / width as f32;
+                let y = ((k / width) as f32 + ((j / across) as f32 + 0.5) / up as f32) / height as f32;
+                texel([x * size_m[0], y * size_m[1]])
+            };
+            (1..across * up).fold(place(0), |mean, j| mean.mixed(place(j), 1.0 / (j + 1) as f32))
         };
         Self {
             size_m,

@@ -43,6 +43,9 @@ const ASHLAR: Courses = Courses {
     joint: 0.70,
 };
 
+/// Places of a texel along u and v whose mean shows joints.
+const JOINT_SAMPLES: [usize; 2] = [2, 4];
+
 /// Paints one band of a kind of facade.
 pub fn paint_facade(style: FacadeStyle, band: FacadeBand) -> Canvas {
     let (bay, storey) = (style.bay_m() as f32, style.storey_m() as f32);
@@ -55,7 +58,9 @@ pub fn paint_facade(style: FacadeStyle, band: FacadeBand) -> Canvas {
         FacadeStyle::CurtainWall => Texel::wall(1.0, 0.0),
         FacadeStyle::Render | FacadeStyle::HalfTimber | FacadeStyle::House => render(position, width),
     };
-    let mut canvas = Canvas::new([width, storey], wall);
+    let has_courses = matches!(style, FacadeStyle::Brick | FacadeStyle::Stone);
+    let samples = if has_courses { JOINT_SAMPLES } else { [1, 1] };
+    let mut canvas = Canvas::sampled([width, storey], samples, wall);
     for variant in 0..2 {
         let bay = Bay {
             west: variant as f32 * bay,
