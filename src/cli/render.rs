@@ -130,6 +130,15 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     };
     let still = renderer.still(&request, args.samples)?;
     tell_warnings(&mut renderer);
+    let eye = camera.pose.eye;
+    // A damaged tile has been told.
+    let ground = city.ground().at(eye.x, eye.y).ok().flatten();
+    if let Some(ground) = ground.filter(|ground| *ground > eye.z) {
+        eprintln!(
+            "rilievo: the eye lies {:.1} m below the ground, which is at {ground:.1} there",
+            ground - eye.z
+        );
+    }
     match (args.intermediate, kind) {
         (Some(which), _) => write_png(&args.out, args.size, &renderer.debug_image(which)?)?,
         (None, ImageKind::Display) => write_png(&args.out, args.size, &still.rgba)?,
