@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::CityError;
 use super::layer::Layer;
-use super::rules_file::PICTURES;
+
+/// Folder beside a city's rules with the pictures of facades that they name.
+pub const PICTURES: &str = "facades";
 
 /// Most bytes of `city.toml` and of an update's plan.
 pub const MAX_TEXT: u64 = 16 << 20;

@@ -5,14 +5,11 @@ use std::io::Read;
 use std::path::Path;
 
 use super::CityError;
-use super::city_files::open_plain;
+use super::city_files::{PICTURES, open_plain};
 use crate::material::{Canvas, FacadeRules, OwnFacade, OwnTiles, facade_from_picture};
 
 /// Its name in a city folder.
 pub const FACADES: &str = "facades.toml";
-
-/// Folder beside it with the pictures that it names.
-pub const PICTURES: &str = "facades";
 
 /// Most bytes of such a file, and of a picture.
 const MAX_BYTES: u64 = 1 << 20;

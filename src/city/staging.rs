@@ -6,11 +6,11 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::city_files::{enclosing_city, foreign, is_city, open_plain};
+use super::city_files::{PICTURES, enclosing_city, foreign, is_city, open_plain};
 use super::durable::sync;
 use super::import_lock::ImportLock;
 use super::layer::Layer;
-use super::rules_file::{FACADES, PICTURES};
+use super::rules_file::FACADES;
 use super::update::{COMMITTED, CityLock, PARTIAL};
 use super::{City, CityError};
 
