@@ -49,7 +49,7 @@ const BEYOND_PUPIL: f64 = 1.25;
 
 /// Entrance beyond the linear pupil that lets light through, by the pupil's area: a strongly curved front bends a ring of it into the
 /// iris, of which the matrices know nothing.
-fn outer_light(tracer: &Tracer<'_>, ghost: Ghost, angle: f64, linear: &LinearGhost) -> f64 {
+pub fn outer_light(tracer: &Tracer<'_>, ghost: Ghost, angle: f64, linear: &LinearGhost) -> f64 {
     use std::f64::consts::PI;
     let pupil_mm = (linear.stop_mm / linear.a[0]).abs().min(linear.barrel_mm);
     let step_mm = linear.barrel_mm / f64::from(OUTER_RADII);

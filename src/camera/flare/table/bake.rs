@@ -11,7 +11,7 @@ use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZES, Unpacked, Values, va
 use super::ray_table::{FlareTable, TabledGhost, between, smooth};
 use crate::camera::flare::ghost::grid::{CLOSER_LOOKS, MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
-use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity};
+use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity, outer_light};
 use crate::camera::lens::{D_LINE_UM, Lens};
 use crate::camera::paraxial::Paraxial;
 use crate::camera::path::{Ghost, single_crossing_ghosts};
@@ -88,7 +88,13 @@ fn tabled(lens: &Lens, ghost: Ghost, f_number: f64, max_angle: f64) -> Tabled {
             .abs()
             .min(optics[0].linear.barrel_mm),
     };
-    let Some(size) = size_needed(&optics, &windows, &near) else {
+    let is_ring = optics.iter().step_by(angles / RING_ANGLES).any(Optics::is_ring);
+    let max_off_fraction = if is_ring {
+        MAX_OFF_FRACTION_OF_RING
+    } else {
+        MAX_OFF_FRACTION
+    };
+    let Some(size) = size_needed(&optics, &windows, &near, max_off_fraction) else {
         return Tabled::Traced(ghost);
     };
     let is_lit = |k: usize| windows.get(k).is_some_and(Option::is_some);
@@ -195,11 +201,20 @@ const TESTED_ANGLES: usize = 7;
 const OFF_FRACTION: f64 = 0.03;
 
 /// The same of the finest grids, over which a ghost is left to be traced.
-const MAX_OFF_FRACTION: f64 = 0.05;
+const MAX_OFF_FRACTION: f64 = 0.085;
+/// And of one whose light comes in through a ring, which a grid shows ragged.
+const MAX_OFF_FRACTION_OF_RING: f64 = 0.05;
+/// Angles at which such a ring is looked for.
+const RING_ANGLES: usize = 4;
 
 /// Rays along an edge of a ghost's grids: the least of `SIZES` by which the rays between a grid's are near enough, at angles spread over
 /// those with light. None where not even the finest is anywhere near.
-fn size_needed(optics: &[Optics<'_>], windows: &[Option<[DVec2; 2]>], near: &Nearness) -> Option<usize> {
+fn size_needed(
+    optics: &[Optics<'_>],
+    windows: &[Option<[DVec2; 2]>],
+    near: &Nearness,
+    max_off_fraction: f64,
+) -> Option<usize> {
     let lit: Vec<usize> = (0..windows.len()).filter(|&k| windows[k].is_some()).collect();
     let step = lit.len().div_ceil(TESTED_ANGLES).max(1);
     let tested: Vec<(usize, [DVec2; 2])> = lit
@@ -233,7 +248,7 @@ fn size_needed(optics: &[Optics<'_>], windows: &[Option<[DVec2; 2]>], near: &Nea
         }
     }
     let [.., finest] = SIZES;
-    (off_fraction <= MAX_OFF_FRACTION).then_some(finest)
+    (off_fraction <= max_off_fraction).then_some(finest)
 }
 
 /// When two grids of a ghost are as good as the same.
@@ -314,6 +329,12 @@ impl<'a> Optics<'a> {
             sensor_gap_mm: d_line.sensor_gap_mm(),
             linear: LinearGhost::new(lens, &d_line, ghost, angle, stop_mm),
         }
+    }
+
+    /// Whether light comes in beyond the linear pupil.
+    fn is_ring(&self) -> bool {
+        let tracer = Tracer::new(self.lens, D_LINE_UM, self.sensor_gap_mm);
+        outer_light(&tracer, self.ghost, self.angle, &self.linear) > LINEAR_ENOUGH
     }
 
     /// The part of the entrance that lets light through.
