@@ -30,9 +30,9 @@ struct Mean {
 }
 
 // Part of the image that is history: some nine samples count.
-const KEPT: f32 = 0.9;
+const HISTORY_WEIGHT: f32 = 0.9;
 // The same where the image moves: each reading between pixels blurs.
-const KEPT_MOVING: f32 = 0.68;
+const MOVING_HISTORY_WEIGHT: f32 = 0.68;
 // Deviations from the neighbourhood's mean that the history may keep.
 const DEVIATIONS: f32 = 1.25;
 // The sky is so far away, metres.
@@ -117,9 +117,9 @@ fn fs(@builtin(position) position: vec4<f32>) -> Mean {
     if !is_known && !is_between { return mean; }
     let middle = sum / 9.0;
     let deviation = DEVIATIONS * sqrt(max(squares / 9.0 - middle * middle, vec3<f32>(0.0)));
-    let kept = clamp(max(seen, vec3<f32>(0.0)), middle - deviation, middle + deviation);
+    let clipped = clamp(max(seen, vec3<f32>(0.0)), middle - deviation, middle + deviation);
     let moved = min(8.0 * distance(place, position.xy), 1.0);
-    let colour = mix(here, kept, mix(KEPT, KEPT_MOVING, moved));
+    let colour = mix(here, clipped, mix(HISTORY_WEIGHT, MOVING_HISTORY_WEIGHT, moved));
     mean.sum = vec4<f32>(colour, 1.0);
     mean.history = vec4<f32>(colour, here_distance);
     return mean;

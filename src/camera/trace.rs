@@ -159,7 +159,7 @@ impl<'a> Tracer<'a> {
 }
 
 /// Steps of a ray towards an asphere, at most; and the one, millimetres, at which it is met.
-const MOST_NEWTON_STEPS: u32 = 50;
+const MAX_NEWTON_STEPS: u32 = 50;
 const NEWTON_STEP_MM: f64 = 1e-11;
 
 /// Where a ray meets a surface, in the vertex's coordinates; behind the start too, as sequential tracing has it.
@@ -186,7 +186,7 @@ fn meet(surface: &Surface, start: DVec3, d: DVec3) -> Option<DVec3> {
     }
     // An asphere may be met where its conic alone is missed.
     let mut at = on_conic.unwrap_or(on_plane);
-    for _ in 0..MOST_NEWTON_STEPS {
+    for _ in 0..MAX_NEWTON_STEPS {
         let (sag, _) = sag_and_slope(surface, at.xy())?;
         let normal = normal_at(surface, at);
         // Newton: the height over the surface, over its change along the ray.

@@ -112,11 +112,11 @@ pub fn main() -> ExitCode {
 }
 
 /// Most characters of a message: what a library cites of a damaged file may be long.
-const MOST_CHARACTERS: usize = 1000;
+const MAX_CHARACTERS: usize = 1000;
 
 fn one_line(text: &str) -> String {
     let line = text.replace('\n', " ");
-    match line.char_indices().nth(MOST_CHARACTERS) {
+    match line.char_indices().nth(MAX_CHARACTERS) {
         Some((end, _)) => format!("{} ..", &line[..end]),
         None => line,
     }

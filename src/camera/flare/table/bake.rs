@@ -8,6 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZES, Unpacked, Values, values_of};
+use super::nearness::Nearness;
 use super::ray_table::{FlareTable, TabledGhost, between, smooth};
 use crate::camera::flare::ghost::grid::{CLOSER_LOOKS, MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
@@ -249,64 +250,6 @@ fn size_needed(
     }
     let [.., finest] = SIZES;
     (off_fraction <= max_off_fraction).then_some(finest)
-}
-
-/// When two grids of a ghost are as good as the same.
-struct Nearness {
-    sensor_mm: f64,
-    /// Radius of the iris.
-    stop_mm: f64,
-    /// Radius of what of the entrance the linear image takes.
-    pupil_mm: f64,
-}
-
-/// Differences that are near enough, of heights relative to the barrel and of positions relative to the iris.
-const NEAR_EDGE: f64 = 0.05;
-/// Lit part of the pupil below which edges are told no better.
-const MIN_LIT: f64 = 0.2;
-
-impl Nearness {
-    /// What is near enough at an edge, as a fraction of the pupil: less where the ghost is cut to a part of it. `rays` are `count`
-    /// spread over a window.
-    fn edge(&self, rays: impl Iterator<Item = Option<Values>>, [min, max]: [DVec2; 2], count: usize) -> f64 {
-        let lit = rays
-            .filter(|ray| {
-                ray.is_some_and(|values| values[4] <= 1.0 && values[2].hypot(values[3]) <= self.stop_mm)
-            })
-            .count();
-        let area_mm2 = (max - min).element_product() * lit as f64 / count as f64;
-        let pupil_mm2 = std::f64::consts::PI * self.pupil_mm.powi(2);
-        NEAR_EDGE * (area_mm2 / pupil_mm2).clamp(MIN_LIT, 1.0)
-    }
-
-    /// Largest difference of rays that pass in either, in units of what is near enough.
-    fn off(&self, a: &Unpacked, b: &Unpacked) -> f64 {
-        let edge = self.edge(a.colours[0].iter().copied(), a.window, a.colours[0].len());
-        let pairs = a.colours.iter().flatten().zip(b.colours.iter().flatten());
-        pairs
-            .filter(|(a, b)| self.passes(a) || self.passes(b))
-            .map(|(a, b)| self.off_ray(a, b, edge))
-            .fold(0.0, f64::max)
-    }
-
-    /// Whether a ray passes, or nearly.
-    fn passes(&self, values: &Option<Values>) -> bool {
-        values.is_some_and(|values| {
-            let stop = DVec2::new(values[2], values[3]);
-            values[4] <= 1.0 + NEAR_EDGE && stop.length() <= 1.1 * self.stop_mm
-        })
-    }
-
-    /// Difference of two rays.
-    fn off_ray(&self, a: &Option<Values>, b: &Option<Values>, edge: f64) -> f64 {
-        let (Some(a), Some(b)) = (a, b) else {
-            return f64::INFINITY;
-        };
-        let on_sensor = (a[0] - b[0]).hypot(a[1] - b[1]) / self.sensor_mm;
-        let in_stop = (a[2] - b[2]).hypot(a[3] - b[3]) / (edge * self.stop_mm);
-        let height = (a[4] - b[4]).abs() / edge;
-        on_sensor.max(in_stop).max(height)
-    }
 }
 
 /// A ghost at an angle.

@@ -13,6 +13,7 @@ mod images;
 mod photos;
 mod ray_table;
 mod knot;
+mod nearness;
 mod video_frames;
 
 pub use file::{TableError, open_table, write_table};
