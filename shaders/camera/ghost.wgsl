@@ -24,6 +24,7 @@ struct GhostVertex {
     @location(1) barrel: vec2<f32>,
     @location(2) radiance: vec3<f32>,
     @location(3) opacity: f32,
+    // Where the softened aperture is among its slices, less than 0 where that is not softened; radius of the disc on the front.
     @location(4) @interpolate(flat) soft: vec2<f32>,
 }
 
@@ -42,7 +43,9 @@ fn vs(
 ) -> GhostVertex {
     let at = ghost_mm + (sensor_mm - ghost_mm) * enlarged;
     let clip = vec4<f32>((at - flare.centre_mm) / flare.half_mm, 0.0, 1.0);
-    return GhostVertex(clip, stop, barrel, radiance / (enlarged.x * enlarged.y), opacity, soft);
+    let along = log(max(soft.x, 0.5 * MIN_SOFTNESS) / MIN_SOFTNESS) / log(MAX_SOFTNESS / MIN_SOFTNESS);
+    let slice = select(-1.0, (0.5 + along * (SOFT_MASKS - 1.0)) / SOFT_MASKS, along >= 0.0);
+    return GhostVertex(clip, stop, barrel, radiance / (enlarged.x * enlarged.y), opacity, vec2<f32>(slice, soft.y));
 }
 
 // Part of a disc on the one side of a straight edge, at a distance from its centre in radii.
@@ -57,12 +60,10 @@ fn fs(in: GhostVertex) -> @location(0) vec4<f32> {
     // The barrel's edge, one pixel soft at least.
     let through = disc_part((1.0 - height) / max(in.soft.y, max(0.5 * fwidth(height), 1.0e-6)));
     var open = 0.0;
-    if in.soft.x < MIN_SOFTNESS {
+    if in.soft.x < 0.0 {
         open = textureSampleLevel(aperture, aperture_sampler, 0.5 + 0.5 * in.stop / MASK_EXTENT, 0.0).x;
     } else {
-        let along = log(in.soft.x / MIN_SOFTNESS) / log(MAX_SOFTNESS / MIN_SOFTNESS);
-        let slice = (0.5 + along * (SOFT_MASKS - 1.0)) / SOFT_MASKS;
-        let at = vec3<f32>(0.5 + 0.5 * in.stop / SOFT_EXTENT, slice);
+        let at = vec3<f32>(0.5 + 0.5 * in.stop / SOFT_EXTENT, in.soft.x);
         open = textureSampleLevel(soft_apertures, aperture_sampler, at, 0.0).x;
     }
     return vec4<f32>(in.radiance * flare.irradiance * open * through, in.opacity * open * through);

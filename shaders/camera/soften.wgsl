@@ -12,6 +12,7 @@ struct Softened {
     @location(0) @interpolate(flat) radius: f32,
     @location(1) @interpolate(flat) margin: i32,
     @location(2) @interpolate(flat) size: vec2<f32>,
+    @location(3) @interpolate(flat) halves: f32,
 }
 
 // The instance's number has the radius in its low half, 1 / 256 texels; above it the margin that the target lacks, and in its
@@ -22,7 +23,7 @@ fn vs(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32)
     let radius = f32(instance & 0xffffu) / 256.0;
     let halves = select(1.0, 0.5, (instance >> 31u) == 1u);
     let margin = i32((instance >> 16u) & 0x7fffu);
-    return Softened(clip, radius, margin, vec2<f32>(textureDimensions(ghosts)) * halves);
+    return Softened(clip, radius, margin, vec2<f32>(textureDimensions(ghosts)) * halves, halves);
 }
 
 @fragment
@@ -36,7 +37,13 @@ fn fs(in: Softened) -> @location(0) vec4<f32> {
             let offset = vec2<f32>(f32(x), f32(y));
             let weight = clamp(in.radius + 0.5 - length(offset), 0.0, 1.0);
             if weight > 0.0 {
-                let found = textureSampleLevel(ghosts, ghosts_sampler, (centre + offset) / in.size, 0.0).rgb;
+                let at = centre + offset;
+                var found = vec3<f32>(0.0);
+                if in.halves < 1.0 {
+                    found = textureSampleLevel(ghosts, ghosts_sampler, at / in.size, 0.0).rgb;
+                } else {
+                    found = textureLoad(ghosts, vec2<i32>(at), 0).rgb;
+                }
                 // Sums that a half float does not hold are the largest that it does.
                 light += weight * min(found, vec3<f32>(60000.0));
                 whole += weight;

@@ -29,6 +29,9 @@ pub struct BenchArgs {
     /// Time the flares of the built-in lenses instead: each way of making ghosts, sun at 5 degrees, f/8.
     #[arg(long, conflicts_with_all = ["city", "path"])]
     flare: bool,
+    /// With --flare, this lens alone: a built-in one or a file.
+    #[arg(long, requires = "flare")]
+    lens: Option<String>,
     /// Views: a flight path, a JSON list of {"name", "eye": [E,N,H], "look": [E,N,H], "fov": degrees} [default: low, oblique and high
     /// over the centre, and the whole city from above].
     #[arg(long)]
@@ -52,7 +55,7 @@ const DEFAULT_FOV_DEG: f64 = 60.0;
 /// Times both ways of drawing.
 pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     let Some(folder) = &args.city else {
-        return super::bench_flare::run(args.size, args.frames, args.json);
+        return super::bench_flare::run(args.lens.as_deref(), args.size, args.frames, args.json);
     };
     let city = City::open(folder)?;
     let views = match &args.path {

@@ -10,7 +10,7 @@ use crate::camera::flare::{
     Aperture, FlareImager, FlareLight, FlareMode, FlareParameters, FlareRequest, FlareSource, FlareTable,
     GhostParameters, GhostTable, Quality, Tracing, area_on_film, film_half_mm, flare_mesh,
 };
-use crate::camera::lens::{BUILT_IN, built_in};
+use crate::camera::lens::{BUILT_IN, open};
 use crate::camera::single_crossing_ghosts;
 use crate::gpu::Gpu;
 use crate::output::RenderError;
@@ -24,8 +24,8 @@ const AZIMUTH: f64 = 0.5;
 /// Rays along a side of a traced grid: where more no longer changes the picture by 40 dB.
 const RAYS: usize = 40;
 
-/// Times every lens in every mode: triangles, milliseconds to make them, milliseconds on the GPU.
-pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> {
+/// Times every built-in lens, or one of any kind, in every mode: triangles, milliseconds to make them, milliseconds on the GPU.
+pub fn run(only: Option<&str>, size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> {
     let gpu = Gpu::open().map_err(RenderError::from)?;
     let mut imager = FlareImager::new(&gpu);
     let mut rows: Vec<Value> = Vec::new();
@@ -42,9 +42,12 @@ pub fn run(size: [u32; 2], frames: u32, json: bool) -> Result<(), CommandError> 
             "GPU ms a ghost"
         );
     }
-    for (name, _) in BUILT_IN {
-        let Some(lens) = built_in(name) else { continue };
-        let lens = Arc::new(lens?);
+    let names = match only {
+        Some(name) => vec![name],
+        None => BUILT_IN.map(|(name, _)| name).to_vec(),
+    };
+    for name in names {
+        let lens = Arc::new(open(name)?);
         let ghost_count = single_crossing_ghosts(&lens).len();
         let start = std::time::Instant::now();
         let max_angle = super::lens_flags::max_angle(&lens);

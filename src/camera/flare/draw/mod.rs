@@ -16,6 +16,7 @@ mod soft_levels;
 mod soft_masks;
 mod soft_plan;
 mod sprite_layer;
+mod touched_blocks;
 
 pub use effect::{CacheFills, FlareEffect, MeshStatistics};
 pub use ghost_layer::{FlareFrame, GhostRecord};

@@ -7,6 +7,8 @@
 //!                                        sum (level) ─▶ enlarge ──────┴▶ sum (level - 1) ─▶ … ─▶ image
 //! ```
 
+use glam::DVec2;
+
 use super::ghost_layer::FlareFrame;
 use super::resources::Resources;
 use super::soft_masks::IrisMasks;
@@ -177,7 +179,6 @@ impl SoftLevels {
             for class in plan.on_sensor.iter().filter(of_level) {
                 pass_on(encoder, level.ghosts.cleared(wgpu::Color::TRANSPARENT), &|pass| {
                     pass.set_bind_group(0, &level.frame_input, &[]);
-                    clip(pass, class, &level.ghosts, [level.start_px, level.texel_px]);
                     draw(pass, &class.ghosts);
                 });
                 let attachment = onto.begun(&mut is_drawn[index]);
@@ -185,13 +186,16 @@ impl SoftLevels {
                     pass.set_pipeline(&pipelines.soften);
                     pass.set_bind_group(0, &level.ghosts_input, &[]);
                     let radius = (256.0 * class.radius).round().min(65535.0) as u32;
-                    let (part, instance) = if index == 0 {
+                    let (origin, instance) = if index == 0 {
                         ([0.0, 1.0], radius | SOFT_MARGIN << 16)
                     } else {
                         ([level.start_px, 2.0 * level.texel_px], radius | 1 << 31)
                     };
-                    clip(pass, class, onto, part);
-                    pass.draw(0..3, instance..instance + 1);
+                    for bounds in &class.parts {
+                        if confine(pass, bounds, onto, origin) {
+                            pass.draw(0..3, instance..instance + 1);
+                        }
+                    }
                 });
             }
             // What is now whole goes to texels half as large.
@@ -213,20 +217,23 @@ impl SoftLevels {
     }
 }
 
-/// Leaves out the part of a target that a class does not touch; the target begins at a pixel of the image, and its texels are so many
-/// pixels large.
-fn clip(pass: &mut wgpu::RenderPass<'_>, class: &SoftClass, target: &Target, [start_px, texel_px]: [f64; 2]) {
+/// Lets a pass draw on a part of a target only, between least and greatest pixels of the image; the target begins at a pixel, and its
+/// texels are so many pixels large. False when the target shows nothing of it.
+fn confine(
+    pass: &mut wgpu::RenderPass<'_>,
+    bounds: &[DVec2; 2],
+    target: &Target,
+    [start_px, texel_px]: [f64; 2],
+) -> bool {
     let size = target.texture.size();
-    let part = |axis: usize, side: u32| {
-        let texel = |px: f64| (px - start_px) / texel_px;
-        let from = texel(class.bounds[0][axis])
-            .floor()
-            .clamp(0.0, f64::from(side - 1)) as u32;
-        let to = texel(class.bounds[1][axis])
-            .ceil()
-            .clamp(f64::from(from + 1), f64::from(side)) as u32;
-        (from, to - from)
-    };
-    let ((x, width), (y, height)) = (part(0, size.width), part(1, size.height));
-    pass.set_scissor_rect(x, y, width, height);
+    let size = DVec2::new(f64::from(size.width), f64::from(size.height));
+    let [min, max] = bounds.map(|px| (px - start_px) / texel_px);
+    let [min, max] = [min.floor(), max.ceil()].map(|texel| texel.clamp(DVec2::ZERO, size));
+    let extent = max - min;
+    let is_shown = extent.min_element() > 0.0;
+    if is_shown {
+        let (min, extent) = (min.as_uvec2(), extent.as_uvec2());
+        pass.set_scissor_rect(min.x, min.y, extent.x, extent.y);
+    }
+    is_shown
 }

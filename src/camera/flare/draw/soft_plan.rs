@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use crate::camera::flare::ghost::GhostTriangles;
+use super::touched_blocks::TouchedBlocks;
+use crate::camera::flare::ghost::{Coverage, GhostTriangles};
 
 /// Least texels in the radius of a ghost that is softened in the iris: what its edge needs to be drawn on them.
 const IRIS_TEXELS: f64 = 1.5;
@@ -35,8 +36,8 @@ pub struct SoftClass {
     pub radius: f64,
     /// Indices of the ghosts.
     pub ghosts: Vec<usize>,
-    /// Pixels of the image that they touch, radius and all: least and greatest.
-    pub bounds: [DVec2; 2],
+    /// Least and greatest pixels of the parts of the image that they touch, radius and all; no two overlap.
+    pub parts: Vec<[DVec2; 2]>,
 }
 
 /// By how much a ghost is enlarged.
@@ -78,10 +79,14 @@ impl ImageScale {
         0.5 * self.size.y / self.half_mm.y
     }
 
-    /// Pixel of a point of the sensor, from the top left.
-    fn pixel(&self, mm: DVec2) -> DVec2 {
-        let unit = DVec2::new(mm.x, -mm.y) / self.half_mm;
-        (0.5 + 0.5 * unit) * self.size
+    /// Least and greatest pixel, from the top left, of what lies between least and greatest coordinates on the sensor or so many
+    /// pixels beside it.
+    fn pixels(&self, corners_mm: [DVec2; 2], pad_px: f64) -> [DVec2; 2] {
+        let [a, b] = corners_mm.map(|mm| {
+            let unit = DVec2::new(mm.x, -mm.y) / self.half_mm;
+            (0.5 + 0.5 * unit) * self.size
+        });
+        [a.min(b) - pad_px, a.max(b) + pad_px]
     }
 }
 
@@ -118,9 +123,8 @@ impl SoftPlan {
                 centre_mm: 0.5 * (min + max),
                 by: (min_px / size_px).max(DVec2::ONE),
             });
-            let pad = radius_px + 2.0 * min_px + 1.0;
-            let corners = [scale.pixel(min), scale.pixel(max)];
-            let bounds = [corners[0].min(corners[1]) - pad, corners[0].max(corners[1]) + pad];
+            let pad_px = radius_px + 2.0 * min_px + 1.0;
+            let bounds = scale.pixels([min, max], pad_px);
             if bounds[1].min_element() < 0.0 || (bounds[0] - scale.size).max_element() > 0.0 {
                 continue;
             }
@@ -133,8 +137,13 @@ impl SoftPlan {
                 continue;
             }
             let bin = bins.entry((level, (STEPS * radius_px.log2()).round() as i32));
-            bin.or_insert(Bin::new(bounds))
-                .add(index, ghost, radius_px, bounds);
+            let bin = bin.or_insert_with(|| Bin::new(scale.size, level));
+            bin.add(index, ghost, radius_px);
+            let Enlarged { centre_mm, by } = plan.enlarged[index];
+            for touched in ghost.coverage.iter().flat_map(Coverage::rectangles) {
+                let enlarged = touched.map(|mm| centre_mm + (mm - centre_mm) * by);
+                bin.touched.touch(scale.pixels(enlarged, pad_px));
+            }
         }
         let classes = bins.into_iter().rev();
         plan.on_sensor = classes.map(|((level, _), bin)| bin.class(level)).collect();
@@ -196,24 +205,23 @@ fn doublings(texel_px: f64, max_level: u32) -> u32 {
 /// A class that is being filled.
 struct Bin {
     ghosts: Vec<usize>,
-    bounds: [DVec2; 2],
+    touched: TouchedBlocks,
     radius_by_light: f64,
     light: f64,
 }
 
 impl Bin {
-    fn new(bounds: [DVec2; 2]) -> Self {
+    fn new(size: DVec2, level: u32) -> Self {
         Self {
             ghosts: Vec::new(),
-            bounds,
+            touched: TouchedBlocks::new(size, 1 << level),
             radius_by_light: 0.0,
             light: 0.0,
         }
     }
 
-    fn add(&mut self, index: usize, ghost: &GhostTriangles, radius_px: f64, bounds: [DVec2; 2]) {
+    fn add(&mut self, index: usize, ghost: &GhostTriangles, radius_px: f64) {
         self.ghosts.push(index);
-        self.bounds = [self.bounds[0].min(bounds[0]), self.bounds[1].max(bounds[1])];
         let light = ghost.light.max(f64::MIN_POSITIVE);
         self.radius_by_light += radius_px * light;
         self.light += light;
@@ -225,7 +233,7 @@ impl Bin {
             level,
             radius: self.radius_by_light / self.light / f64::from(1_u32 << level),
             ghosts: self.ghosts,
-            bounds: self.bounds,
+            parts: self.touched.parts(),
         }
     }
 }

@@ -14,6 +14,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::blend::{Blend, fractions};
+use super::coverage::Coverage;
 use super::linear::{LinearGhost, MAX_SOFTNESS, stop_radius};
 use super::nonlinear_images::{Context, GhostImage, Optics, Part};
 use super::nonlinearity::nonlinearity;
@@ -42,7 +43,7 @@ pub struct FlareMesh {
 }
 
 /// Triangles of one image of a ghost.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GhostTriangles {
     /// Number of vertices.
     pub vertices: usize,
@@ -52,6 +53,8 @@ pub struct GhostTriangles {
     pub in_iris: Option<[f64; 2]>,
     /// Least and greatest coordinates on the sensor, millimetres.
     pub bounds_mm: [DVec2; 2],
+    /// Where its triangles lie, of one that is softened on the sensor.
+    pub coverage: Option<Coverage>,
     /// Area that it covers in each colour, square millimetres: what a round iris and the barrel let through.
     pub area_mm2: f64,
     /// Radiance by that area, all channels: square millimetres for a light of irradiance 1.
@@ -79,14 +82,16 @@ impl GhostTriangles {
             area_mm2 += lit / colours as f64;
             light += triangle_light(triangle) * lit / whole.max(1e-12);
         }
+        let bounds_mm = vertices
+            .iter()
+            .map(at)
+            .fold(empty, |[min, max], at| [min.min(at), max.max(at)]);
         Self {
             vertices: vertices.len(),
             radius_mm,
             in_iris,
-            bounds_mm: vertices
-                .iter()
-                .map(at)
-                .fold(empty, |[min, max], at| [min.min(at), max.max(at)]),
+            bounds_mm,
+            coverage: in_iris.is_none().then(|| Coverage::new(vertices, bounds_mm)),
             area_mm2,
             light,
         }

@@ -8,6 +8,7 @@
 
 mod area;
 mod blend;
+mod coverage;
 pub(super) mod grid;
 pub(super) mod linear;
 mod mesh;
@@ -23,6 +24,7 @@ mod vertex;
 pub use area::area_on_film;
 pub use blend::{Blend, Fit};
 pub use linear::MAX_SOFTNESS;
+pub use coverage::Coverage;
 pub use mesh::{FlareMesh, GhostTriangles, flare_mesh};
 pub use nonlinearity::nonlinearity;
 pub use parameters::{FlareMode, FlareParameters, GhostParameters, Pattern};
