@@ -11,10 +11,7 @@ struct FlareFrame {
 }
 
 @group(0) @binding(0) var<uniform> flare: FlareFrame;
-@group(0) @binding(1) var aperture: texture_2d<f32>;
 @group(0) @binding(2) var aperture_sampler: sampler;
-// The same softened by discs, slice by slice larger (src/camera/flare/draw/soft_masks.rs).
-@group(0) @binding(3) var soft_apertures: texture_3d<f32>;
 
 const PI: f32 = 3.14159265;
 
@@ -24,7 +21,7 @@ struct GhostVertex {
     @location(1) barrel: vec2<f32>,
     @location(2) radiance: vec3<f32>,
     @location(3) opacity: f32,
-    // Where the softened aperture is among its slices, less than 0 where that is not softened; radius of the disc on the front.
+    // Where the softened aperture is among its slices, if it is softened; radius of the disc on the front.
     @location(4) @interpolate(flat) soft: vec2<f32>,
 }
 
@@ -43,8 +40,8 @@ fn vs(
 ) -> GhostVertex {
     let at = ghost_mm + (sensor_mm - ghost_mm) * enlarged;
     let clip = vec4<f32>((at - flare.centre_mm) / flare.half_mm, 0.0, 1.0);
-    let along = log(max(soft.x, 0.5 * MIN_SOFTNESS) / MIN_SOFTNESS) / log(MAX_SOFTNESS / MIN_SOFTNESS);
-    let slice = select(-1.0, (0.5 + along * (SOFT_MASKS - 1.0)) / SOFT_MASKS, along >= 0.0);
+    let along = log(max(soft.x, MIN_SOFTNESS) / MIN_SOFTNESS) / log(MAX_SOFTNESS / MIN_SOFTNESS);
+    let slice = (0.5 + along * (SOFT_MASKS - 1.0)) / SOFT_MASKS;
     return GhostVertex(clip, stop, barrel, radiance / (enlarged.x * enlarged.y), opacity, vec2<f32>(slice, soft.y));
 }
 
@@ -59,12 +56,6 @@ fn fs(in: GhostVertex) -> @location(0) vec4<f32> {
     let height = length(in.barrel);
     // The barrel's edge, one pixel soft at least.
     let through = disc_part((1.0 - height) / max(in.soft.y, max(0.5 * fwidth(height), 1.0e-6)));
-    var open = 0.0;
-    if in.soft.x < 0.0 {
-        open = textureSampleLevel(aperture, aperture_sampler, 0.5 + 0.5 * in.stop / MASK_EXTENT, 0.0).x;
-    } else {
-        let at = vec3<f32>(0.5 + 0.5 * in.stop / SOFT_EXTENT, in.soft.x);
-        open = textureSampleLevel(soft_apertures, aperture_sampler, at, 0.0).x;
-    }
+    let open = iris_open(in.stop, in.soft.x);
     return vec4<f32>(in.radiance * flare.irradiance * open * through, in.opacity * open * through);
 }

@@ -57,7 +57,20 @@ pub const TONE_MAP: ShaderSource = ShaderSource {
 pub const GHOST: ShaderSource = ShaderSource {
     name: "camera/ghost.wgsl",
     constants: CONSTANTS,
-    files: &[shader_file!("camera/ghost.wgsl")],
+    files: &[
+        shader_file!("camera/sharp_iris.wgsl"),
+        shader_file!("camera/ghost.wgsl"),
+    ],
+};
+
+/// Ghosts softened in the iris. Apart from the others: what lies in a branch may cost where it is not taken.
+pub const SOFT_GHOST: ShaderSource = ShaderSource {
+    name: "camera/ghost.wgsl, soft",
+    constants: CONSTANTS,
+    files: &[
+        shader_file!("camera/soft_iris.wgsl"),
+        shader_file!("camera/ghost.wgsl"),
+    ],
 };
 
 /// An image laid on the film.
@@ -74,11 +87,11 @@ pub const SOFTEN: ShaderSource = ShaderSource {
     files: &[shader_file!("camera/soften.wgsl")],
 };
 
-/// Softened ghosts on smaller texels.
-pub const ENLARGE: ShaderSource = ShaderSource {
-    name: "camera/enlarge.wgsl",
+/// Ghosts on texels half or twice as large.
+pub const RESAMPLE: ShaderSource = ShaderSource {
+    name: "camera/resample.wgsl",
     constants: CONSTANTS,
-    files: &[shader_file!("camera/enlarge.wgsl")],
+    files: &[shader_file!("camera/resample.wgsl")],
 };
 
 /// Grids of rays.
@@ -92,6 +105,6 @@ pub const RAYS: ShaderSource = ShaderSource {
 };
 
 /// Every shader of the camera.
-pub const ALL: [ShaderSource; 8] = [
-    ACCUMULATE, TEMPORAL, TONE_MAP, GHOST, SOFTEN, ENLARGE, SPRITE, RAYS,
+pub const ALL: [ShaderSource; 9] = [
+    ACCUMULATE, TEMPORAL, TONE_MAP, GHOST, SOFT_GHOST, SOFTEN, RESAMPLE, SPRITE, RAYS,
 ];

@@ -7,11 +7,11 @@ use glam::DVec2;
 
 use super::resources::{Blending, Resources};
 use super::soft_levels::{SoftLevels, SoftPipelines, SoftTask};
-use super::soft_masks::IrisMasks;
+use super::soft_masks::{IrisMasks, MIN_SOFTNESS};
 use super::soft_plan::{ImageScale, SoftPlan, vertex_ranges};
 use crate::camera::flare::ghost::GhostTriangles;
 use crate::camera::flare::{Aperture, FlareMesh, FlareVertex};
-use crate::camera::shaders::GHOST;
+use crate::camera::shaders::{GHOST, SOFT_GHOST};
 use crate::gpu::{BySize, Gpu, Target, Uniform, empty_buffer, shader_module};
 
 /// Layout of `FlareFrame` in `shaders/camera/ghost.wgsl`, where each field is explained.
@@ -55,6 +55,8 @@ const MAX_VERTICES: u64 = 3_000_000;
 /// Pipelines, the aperture's mask, and vertex buffers that grow with the mesh.
 pub struct GhostLayer {
     added: wgpu::RenderPipeline,
+    /// Softened in the iris.
+    added_soft: wgpu::RenderPipeline,
     masks: wgpu::RenderPipeline,
     soft: SoftPipelines,
     frame: Option<FlareFrame>,
@@ -75,7 +77,8 @@ pub struct GhostLayer {
 impl GhostLayer {
     /// Compiles the pipelines.
     pub fn new(gpu: &Gpu, resources: &Resources) -> Self {
-        let module = shader_module(gpu, &GHOST);
+        let sharp = shader_module(gpu, &GHOST);
+        let soft = shader_module(gpu, &SOFT_GHOST);
         let buffers = [
             wgpu::VertexBufferLayout {
                 array_stride: size_of::<FlareVertex>() as u64,
@@ -88,12 +91,13 @@ impl GhostLayer {
                 attributes: &GhostRecord::ATTRIBUTES,
             },
         ];
-        let pipeline = |blending| resources.ghost_pipeline(gpu, &module, &buffers, blending);
+        let pipeline = |module, blending| resources.ghost_pipeline(gpu, module, &buffers, blending);
         let vertex_bytes = size_of::<FlareVertex>() as u64;
         let capacity = (gpu.device.limits().max_buffer_size / vertex_bytes).min(MAX_VERTICES) / 3 * 3;
         Self {
-            added: pipeline(Blending::Added),
-            masks: pipeline(Blending::Masks),
+            added: pipeline(&sharp, Blending::Added),
+            added_soft: pipeline(&soft, Blending::Added),
+            masks: pipeline(&sharp, Blending::Masks),
             soft: SoftPipelines::new(gpu, resources),
             frame: None,
             uniform: Uniform::new(gpu, "ghosts"),
@@ -238,11 +242,18 @@ impl GhostLayer {
     /// Draws ghosts by their numbers; their group is set.
     fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>, ghosts: &[usize]) {
         let Some(records) = &self.records else { return };
-        pass.set_pipeline(&self.added);
         pass.set_vertex_buffer(1, records.slice(..));
-        for &ghost in ghosts {
-            // The first record is that of no ghost.
-            self.draw_vertices(pass, &self.ranges[ghost], ghost as u32 + 1);
+        let is_soft = |ghost: &&usize| {
+            let in_iris = self.ghosts[**ghost].in_iris;
+            in_iris.is_some_and(|[stop, _]| stop >= MIN_SOFTNESS)
+        };
+        let (soft, sharp): (Vec<usize>, Vec<usize>) = ghosts.iter().partition(is_soft);
+        for (pipeline, ghosts) in [(&self.added, sharp), (&self.added_soft, soft)] {
+            pass.set_pipeline(pipeline);
+            for ghost in ghosts {
+                // The first record is that of no ghost.
+                self.draw_vertices(pass, &self.ranges[ghost], ghost as u32 + 1);
+            }
         }
     }
 

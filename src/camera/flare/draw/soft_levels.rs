@@ -3,8 +3,8 @@
 //!
 //! ```text
 //! ghosts softened in the iris ─────────────────────────▶ sum (level) ─┐
-//! a class of others ─▶ ghosts (level) ─▶ soften ───────▶ sum (level) ─┤
-//!                                        sum (level) ─▶ enlarge ──────┴▶ sum (level - 1) ─▶ … ─▶ image
+//! a class of others ─▶ ghosts ─▶ resample ─▶ soften ───▶ sum (level) ─┤
+//!                                        sum (level) ─▶ resample ─────┴▶ sum (level - 1) ─▶ … ─▶ image
 //! ```
 
 use glam::DVec2;
@@ -13,7 +13,7 @@ use super::ghost_layer::FlareFrame;
 use super::resources::Resources;
 use super::soft_masks::IrisMasks;
 use super::soft_plan::{SoftClass, SoftPlan};
-use crate::camera::shaders::{ENLARGE, SOFTEN};
+use crate::camera::shaders::{RESAMPLE, SOFTEN};
 use crate::gpu::{Gpu, Target, Uniform, shader_module};
 
 /// Texels of a level's margin: more than the radius of any class but those of the last level.
@@ -28,7 +28,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// The pipelines.
 pub struct SoftPipelines {
     soften: wgpu::RenderPipeline,
-    enlarge: wgpu::RenderPipeline,
+    resample: wgpu::RenderPipeline,
 }
 
 impl SoftPipelines {
@@ -40,7 +40,7 @@ impl SoftPipelines {
         };
         Self {
             soften: pipeline(&SOFTEN),
-            enlarge: pipeline(&ENLARGE),
+            resample: pipeline(&RESAMPLE),
         }
     }
 }
@@ -50,6 +50,8 @@ struct Level {
     /// Ghosts of one class at a time.
     ghosts: Target,
     ghosts_input: wgpu::BindGroup,
+    /// The same on the level's own texels; at level 0 they are on those.
+    resampled: Option<(Target, wgpu::BindGroup)>,
     /// What the ghosts' target shows.
     frame: Uniform<FlareFrame>,
     frame_input: wgpu::BindGroup,
@@ -91,16 +93,20 @@ impl SoftLevels {
             };
             let ghosts = Target::new(gpu, "ghosts", drawn, FORMAT);
             let frame = Uniform::new(gpu, "ghosts");
+            let whole_target = |name| {
+                (level > 0).then(|| {
+                    let target = Target::new(gpu, name, whole, FORMAT);
+                    let input = resources.image_group(gpu, &target.view);
+                    (target, input)
+                })
+            };
             Level {
+                resampled: whole_target("resampled ghosts"),
                 ghosts_input: resources.image_group(gpu, &ghosts.view),
                 ghosts,
                 frame_input: resources.ghost_group(gpu, frame.binding(), masks),
                 frame,
-                sum: (level > 0).then(|| {
-                    let sum = Target::new(gpu, "soft ghosts", whole, FORMAT);
-                    let input = resources.image_group(gpu, &sum.view);
-                    (sum, input)
-                }),
+                sum: whole_target("soft ghosts"),
                 start_px: -f64::from(SOFT_MARGIN << level),
                 texel_px: f64::from(1_u32 << level.saturating_sub(1)),
             }
@@ -181,21 +187,30 @@ impl SoftLevels {
                     pass.set_bind_group(0, &level.frame_input, &[]);
                     draw(pass, &class.ghosts);
                 });
-                let attachment = onto.begun(&mut is_drawn[index]);
-                pass_on(encoder, attachment, &|pass| {
-                    pass.set_pipeline(&pipelines.soften);
-                    pass.set_bind_group(0, &level.ghosts_input, &[]);
-                    let radius = (256.0 * class.radius).round().min(65535.0) as u32;
-                    let (origin, instance) = if index == 0 {
-                        ([0.0, 1.0], radius | SOFT_MARGIN << 16)
-                    } else {
-                        ([level.start_px, 2.0 * level.texel_px], radius | 1 << 31)
-                    };
-                    for bounds in &class.parts {
-                        if confine(pass, bounds, onto, origin) {
+                let (origin, margin, input) = match &level.resampled {
+                    None => ([0.0, 1.0], SOFT_MARGIN, &level.ghosts_input),
+                    Some((_, input)) => ([level.start_px, 2.0 * level.texel_px], 0, input),
+                };
+                let draw_parts = |pass: &mut wgpu::RenderPass<'_>, instance: u32| {
+                    for part in &class.parts {
+                        if confine(pass, part, onto, origin) {
                             pass.draw(0..3, instance..instance + 1);
                         }
                     }
+                };
+                if let Some((resampled, _)) = &level.resampled {
+                    pass_on(encoder, resampled.cleared(wgpu::Color::TRANSPARENT), &|pass| {
+                        pass.set_pipeline(&pipelines.resample);
+                        pass.set_bind_group(0, &level.ghosts_input, &[]);
+                        draw_parts(pass, 1 << 31);
+                    });
+                }
+                let attachment = onto.begun(&mut is_drawn[index]);
+                pass_on(encoder, attachment, &|pass| {
+                    pass.set_pipeline(&pipelines.soften);
+                    pass.set_bind_group(0, input, &[]);
+                    let radius = (256.0 * class.radius).round().min(65535.0) as u32;
+                    draw_parts(pass, radius | margin << 16);
                 });
             }
             // What is now whole goes to texels half as large.
@@ -207,7 +222,7 @@ impl SoftLevels {
                     .map_or((image, 0), |(sum, _)| (sum, SOFT_MARGIN));
                 let attachment = onto.begun(&mut is_drawn[index - 1]);
                 pass_on(encoder, attachment, &|pass| {
-                    pass.set_pipeline(&pipelines.enlarge);
+                    pass.set_pipeline(&pipelines.resample);
                     pass.set_bind_group(0, input, &[]);
                     pass.draw(0..3, margin..margin + 1);
                 });

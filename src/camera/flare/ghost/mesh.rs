@@ -110,6 +110,31 @@ fn is_lit(triangle: &[FlareVertex]) -> bool {
     centre(|vertex| vertex.stop).length() <= 1.0 && centre(|vertex| vertex.barrel).length() <= 1.0
 }
 
+/// How far beyond the edges of iris and barrel, in their radii, light still falls on a pixel: more than one pixel holds.
+const EDGE: f64 = 0.05;
+
+/// Triangles of which iris and barrel, softened as they are, let something through.
+fn open_triangles(vertices: &[FlareVertex], softness: &Softness) -> Vec<FlareVertex> {
+    let is_reached = |triangle: &[FlareVertex], of: fn(&FlareVertex) -> [f32; 2], softness: f64| {
+        let corners = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(of(&triangle[k])).as_dvec2());
+        let reach = 1.0 + softness.min(MAX_SOFTNESS) + EDGE;
+        // Written so that what is no number is drawn.
+        let is_beside = (0..3).any(|k| {
+            let (a, b, c) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+            let normal = (b - a).perp().normalize_or_zero();
+            let [edge, other] = [normal.dot(a), normal.dot(c)];
+            // The centre lies beyond an edge, farther than it reaches.
+            (edge > reach && other > edge) || (edge < -reach && other < edge)
+        });
+        !is_beside
+    };
+    let is_open = |triangle: &&[FlareVertex]| {
+        is_reached(triangle, |vertex| vertex.stop, softness.stop)
+            && is_reached(triangle, |vertex| vertex.barrel, softness.front)
+    };
+    vertices.chunks_exact(3).filter(is_open).collect::<Vec<_>>().concat()
+}
+
 impl FlareMesh {
     /// Adds images of ghosts, each in so many colours.
     fn add(&mut self, images: Vec<GhostImage>, colours: usize) {
@@ -131,6 +156,7 @@ impl FlareMesh {
                     self.added.extend(vertices);
                 }
             };
+            let vertices = open_triangles(&vertices, &softness);
             let is_blurred = softness.stop > MAX_SOFTNESS || softness.front > MAX_SOFTNESS;
             let light: f64 = vertices.chunks_exact(3).map(triangle_light).sum();
             let (folds, rest) = folded(vertices);
