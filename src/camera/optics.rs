@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::Paraxial;
 use super::flare::FlareLight;
 use super::lens::{D_LINE_UM, Lens, LensError};
@@ -33,6 +35,9 @@ pub enum Optics {
 
 /// How far beyond the widest an f-number may be: they are named in round figures, such as 2.8 for 2.95.
 const ROUNDED: f64 = 0.06;
+
+/// Cosine from the axis, at least, of a direction that has an image: what lies beside or behind the camera has one far away.
+const MIN_AHEAD: f64 = 1e-6;
 
 /// Refuses an f-number that a lens does not open to.
 ///
@@ -136,14 +141,19 @@ impl Camera {
         let Pose {
             right, up, forward, ..
         } = self.pose;
-        let in_camera = [right, up, forward].map(|axis| sun.to_sun.dot(axis));
-        let [angle, azimuth] = FlareLight::angle_azimuth(in_camera.into());
+        let in_camera = |direction: DVec3| DVec3::from([right, up, forward].map(|axis| direction.dot(axis)));
+        let [angle, azimuth] = FlareLight::angle_azimuth(in_camera(sun.to_sun));
+        let [centre, visible] = [sun.to_sun, sun.to_visible].map(|direction| {
+            let direction = in_camera(direction);
+            direction.truncate() / direction.z.max(MIN_AHEAD)
+        });
         FlareLight {
             angle,
             azimuth,
             angular_radius: sun.angular_radius,
             irradiance: sun.irradiance.to_array(),
             visible_fraction: sun.visible_fraction,
+            visible_offset: visible - centre,
         }
     }
 }

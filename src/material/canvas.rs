@@ -204,7 +204,8 @@ impl Texel {
         }
     }
 
-    fn mixed(self, over: Self, part: f32) -> Self {
+    /// The same with a part of another over it.
+    pub fn mixed(self, over: Self, part: f32) -> Self {
         let mix = |a: f32, b: f32| a + (b - a) * part;
         Self {
             albedo: std::array::from_fn(|k| mix(self.albedo[k], over.albedo[k])),

@@ -3,7 +3,7 @@
 
 use super::FacadeStyle;
 use super::brickwork::{Courses, corrugated, courses, panels, render};
-use super::canvas::{Canvas, Rect, Texel};
+use super::canvas::{Canvas, Rect, TILE_SIZE, Texel};
 use super::noise::hash;
 use super::openings::{Window, door, gate, shop_front, shutters, surround, window};
 
@@ -393,6 +393,7 @@ fn half_timber_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
         }
         canvas.fill(bay.across(0.82, 0.95), beam);
         // A brace in the field beside the window.
+        let [across_m, up_m] = [0, 1].map(|axis: usize| canvas.size_m[axis] / TILE_SIZE[axis] as f32);
         canvas.paint(
             [
                 bay.west + 0.16,
@@ -404,8 +405,10 @@ fn half_timber_bay(canvas: &mut Canvas, bay: Bay, band: FacadeBand) {
                 let run = 0.5 * bay.width - 0.78;
                 let rise = bay.storey - 1.15;
                 let along = if bay.variant == 0 { x } else { run - x };
-                let is_brace = (y - along / run * rise).abs() < 0.17;
-                if is_brace { beam } else { under }
+                let beside_m = (y - along / run * rise).abs() - 0.17;
+                // Texels on its edge are mixed by how much of them it covers.
+                let edge_m = up_m + across_m * rise / run;
+                under.mixed(beam, (0.5 - beside_m / edge_m).clamp(0.0, 1.0))
             },
         );
         if band == FacadeBand::Ground && bay.variant == 1 {

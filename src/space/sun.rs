@@ -27,6 +27,8 @@ pub struct Sun {
     pub angular_radius: f64,
     /// The fraction of its disc that the camera sees, 0 to 1; `relief` finds it.
     pub visible_fraction: f64,
+    /// Unit vector towards the centre of what the camera sees of it.
+    pub to_visible: DVec3,
 }
 
 impl Sun {
@@ -37,6 +39,7 @@ impl Sun {
             irradiance: SUN_ABOVE_AIR * Atmosphere::get().sunlight(to_sun.z),
             angular_radius: SOLAR_ANGULAR_RADIUS,
             visible_fraction: 1.0,
+            to_visible: to_sun,
         }
     }
 
@@ -58,11 +61,12 @@ impl Sun {
         self.irradiance / (PI * self.angular_radius.sin().powi(2))
     }
 
-    /// The same sun behind what leaves `fraction` of its disc visible.
+    /// The same sun behind what leaves `fraction` of its disc visible, round a direction (unit vector).
     #[must_use]
-    pub fn with_visible_fraction(self, fraction: f64) -> Self {
+    pub fn with_visible_part(self, fraction: f64, to_visible: DVec3) -> Self {
         Self {
             visible_fraction: fraction,
+            to_visible,
             ..self
         }
     }

@@ -94,8 +94,10 @@ struct Starburst {
     optics: StarburstOptics,
     parameters: StarburstParameters,
     disc_fraction: [f64; 3],
-    /// Half the side of each, with what it shows: the pattern and the glare.
-    sprites: [(f64, Sprite); 2],
+    /// Of a disc as large as the light's visible part, by the light's: a smaller one spreads more of its light.
+    visible_radius: f64,
+    /// Half the side of each, with what it shows: pattern, far spikes and veil.
+    sprites: [(f64, Sprite); 3],
 }
 
 impl FlareEffect {
@@ -180,7 +182,10 @@ impl FlareEffect {
     /// Part of the light, by channel, that its sharp image keeps and the starburst does not draw; all of it without a starburst.
     pub fn disc_fraction(&self) -> [f64; 3] {
         match &self.starburst {
-            Some(starburst) if self.is_lit => starburst.disc_fraction,
+            Some(starburst) if self.is_lit => {
+                let spread = |kept: f64| (1.0 - kept) / starburst.visible_radius;
+                starburst.disc_fraction.map(|kept| (1.0 - spread(kept)).max(0.0))
+            }
             _ => [1.0; 3],
         }
     }
@@ -306,24 +311,32 @@ impl FlareEffect {
                 optics,
                 parameters,
                 disc_fraction: pattern.disc_fraction,
+                visible_radius: 1.0,
                 sprites: [
                     (pattern.half_mm, sprite(pattern.size, &pattern.radiance)),
-                    (pattern.glare_half_mm, sprite(pattern.glare_size, &pattern.glare)),
+                    (pattern.glare_half_mm, sprite(pattern.glare_size, &pattern.spikes)),
+                    (pattern.glare_half_mm, sprite(pattern.glare_size, &pattern.veil)),
                 ],
             }
         });
         let mut changed = false;
-        for (half_mm, sprite) in &mut starburst.sprites {
+        // Far from a disc the light of its starburst falls with the cube of the distance, on average, and does not depend on its
+        // size: that of a smaller disc with as much light is the same made smaller and brighter. The veil stays as it is.
+        let smaller = request.light.visible_radius();
+        for ((half_mm, sprite), smaller) in starburst.sprites.iter_mut().zip([smaller, smaller, 1.0]) {
+            let irradiance = request.light.visible_irradiance();
+            let factor = irradiance.map(|channel| channel / smaller.powi(3));
             let frame = SpriteFrame {
                 centre_mm: request.light.image_mm(focal_mm).as_vec2().to_array(),
-                half_mm: [*half_mm as f32; 2],
+                half_mm: [(*half_mm * smaller) as f32; 2],
                 rotation: [1.0, 0.0],
                 image_half_mm: request.image_half_mm.map(|half| half as f32),
                 radiance: [0.0; 3],
                 padding: 0.0,
             };
-            changed |= sprite.set(gpu, frame, request.light.visible_irradiance());
+            changed |= sprite.set(gpu, frame, factor);
         }
+        starburst.visible_radius = smaller;
         self.starburst = Some(starburst);
         changed
     }

@@ -10,6 +10,9 @@ use crate::camera::flare::{
 };
 use crate::camera::lens::Lens;
 
+/// Least radius of a visible part by that of the disc: a smaller one, and its starburst, are drawn as if it were so large.
+const MIN_VISIBLE_RADIUS: f64 = 0.25;
+
 /// A distant disc of light as the camera sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlareLight {
@@ -23,6 +26,8 @@ pub struct FlareLight {
     pub irradiance: [f64; 3],
     /// Of the disc, 0 to 1.
     pub visible_fraction: f64,
+    /// From the image of the disc's centre to that of the centre of its visible part, by the focal length.
+    pub visible_offset: DVec2,
 }
 
 impl FlareLight {
@@ -34,6 +39,7 @@ impl FlareLight {
             angular_radius: 0.0,
             irradiance: [1.0; 3],
             visible_fraction: 1.0,
+            visible_offset: DVec2::ZERO,
         }
     }
 
@@ -53,9 +59,14 @@ impl FlareLight {
         self.irradiance.map(|channel| channel * self.visible_fraction)
     }
 
-    /// Where its image lies on the sensor of a lens of a focal length, millimetres, x right and y up.
+    /// Where the image of its visible part lies on the sensor of a lens of a focal length, millimetres, x right and y up.
     pub fn image_mm(&self, focal_mm: f64) -> DVec2 {
-        focal_mm * self.angle.tan() * DVec2::from_angle(self.azimuth)
+        focal_mm * (self.angle.tan() * DVec2::from_angle(self.azimuth) + self.visible_offset)
+    }
+
+    /// Radius of a disc as large as the visible part, by that of the whole disc.
+    pub fn visible_radius(&self) -> f64 {
+        self.visible_fraction.sqrt().clamp(MIN_VISIBLE_RADIUS, 1.0)
     }
 }
 

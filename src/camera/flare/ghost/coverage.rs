@@ -52,7 +52,8 @@ impl Coverage {
             while rest != 0 {
                 let from = rest.trailing_zeros();
                 let to = from + (rest >> from).trailing_ones();
-                let corner = |x: u32, y: usize| self.min_mm + DVec2::new(f64::from(x), y as f64) * self.cell_mm;
+                let corner =
+                    |x: u32, y: usize| self.min_mm + DVec2::new(f64::from(x), y as f64) * self.cell_mm;
                 rectangles.push([corner(from, y), corner(to, y + 1)]);
                 rest &= u64::MAX.checked_shl(to).unwrap_or(0);
             }

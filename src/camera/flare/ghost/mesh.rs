@@ -132,7 +132,11 @@ fn open_triangles(vertices: &[FlareVertex], softness: &Softness) -> Vec<FlareVer
         is_reached(triangle, |vertex| vertex.stop, softness.stop)
             && is_reached(triangle, |vertex| vertex.barrel, softness.front)
     };
-    vertices.chunks_exact(3).filter(is_open).collect::<Vec<_>>().concat()
+    vertices
+        .chunks_exact(3)
+        .filter(is_open)
+        .collect::<Vec<_>>()
+        .concat()
 }
 
 impl FlareMesh {

@@ -23,8 +23,8 @@ mod vertex;
 
 pub use area::area_on_film;
 pub use blend::{Blend, Fit};
-pub use linear::MAX_SOFTNESS;
 pub use coverage::Coverage;
+pub use linear::MAX_SOFTNESS;
 pub use mesh::{FlareMesh, GhostTriangles, flare_mesh};
 pub use nonlinearity::nonlinearity;
 pub use parameters::{FlareMode, FlareParameters, GhostParameters, Pattern};

@@ -23,6 +23,8 @@ const SCATTERED: f64 = 0.005;
 /// Sine from the image where scattering begins to fall off, and the slope of its fall.
 const SHOULDER: f64 = 0.005;
 const SLOPE: f64 = -1.8;
+/// Distance from which the spikes fade, by half the side of their image.
+const FADE_FROM: f64 = 0.75;
 
 /// Scattered part of the light per steradian, at a sine from its image.
 fn veil(sine: f64) -> f64 {
@@ -112,13 +114,46 @@ impl Spikes {
     }
 }
 
-/// An image of `size` x `size` over `half_mm` to each side of the light's image, rows from the top: radiance for a light of irradiance
-/// 1. The spikes begin where `shown`, the part of the transform that is shown at a distance, falls from 1.
-pub fn glare(
+/// Part that is left of the spikes at a distance, by half the side of their image: they end without an edge.
+fn fade(distance: f64) -> f64 {
+    let t = ((1.0 - distance) / (1.0 - FADE_FROM)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// A square image round the light's: columns and rows, and half its side, millimetres.
+#[derive(Clone, Copy, Debug)]
+pub struct GlareImage {
+    /// Columns and rows.
+    pub size: usize,
+    /// Millimetres.
+    pub half_mm: f64,
+}
+
+impl GlareImage {
+    /// Values by the place from the light's image, millimetres, rows from the top.
+    fn drawn(self, value: impl Fn(DVec2) -> [f32; 3] + Sync) -> Vec<[f32; 3]> {
+        let Self { size, half_mm } = self;
+        let place = |k: usize| {
+            DVec2::new((k % size) as f64 + 0.5, (size - 1 - k / size) as f64 + 0.5) * self.texel_mm()
+                - half_mm
+        };
+        (0..size * size)
+            .into_par_iter()
+            .map(|k| value(place(k)))
+            .collect()
+    }
+
+    fn texel_mm(self) -> f64 {
+        2.0 * self.half_mm / self.size as f64
+    }
+}
+
+/// The spikes as radiance for a light of irradiance 1. They begin where `shown`, the part of the transform that is shown at a distance,
+/// falls from 1.
+pub fn far_spikes(
     optics: &StarburstOptics,
     colours: &[Wavelength],
-    size: usize,
-    half_mm: f64,
+    image: GlareImage,
     shown: impl Fn(f64) -> f64 + Sync,
 ) -> Vec<[f32; 3]> {
     let spikes = Spikes::new(optics);
@@ -127,24 +162,21 @@ pub fn glare(
         let parts = colours.iter().map(|colour| colour.rgb[channel] * colour.um);
         1e-3 * parts.sum::<f64>()
     });
-    let texel_mm = 2.0 * half_mm / size as f64;
     let square = optics.focal_mm * optics.focal_mm;
-    (0..size * size)
-        .into_par_iter()
-        .map(|k| {
-            let place =
-                DVec2::new((k % size) as f64 + 0.5, (size - 1 - k / size) as f64 + 0.5) * texel_mm - half_mm;
-            let r = place.length();
-            let spiked = 1.0 - shown(r);
-            let spike = if spiked > 0.0 {
-                square * spiked * spikes.at(place, 1.0, texel_mm)
-            } else {
-                0.0
-            };
-            let veil = veil((r / optics.focal_mm).atan().sin());
-            mean_mm.map(|wavelength_mm| (spike * wavelength_mm + veil) as f32)
-        })
-        .collect()
+    image.drawn(|place| {
+        let r = place.length();
+        let part = (1.0 - shown(r)) * fade(r / image.half_mm);
+        if part <= 0.0 {
+            return [0.0; 3];
+        }
+        let spike = square * part * spikes.at(place, 1.0, image.texel_mm());
+        mean_mm.map(|wavelength_mm| (spike * wavelength_mm) as f32)
+    })
+}
+
+/// The veil as radiance for a light of irradiance 1.
+pub fn veil_image(focal_mm: f64, image: GlareImage) -> Vec<[f32; 3]> {
+    image.drawn(|place| [veil((place.length() / focal_mm).atan().sin()) as f32; 3])
 }
 
 #[cfg(test)]

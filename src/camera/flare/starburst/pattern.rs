@@ -1,7 +1,7 @@
 //! The image of a disc of light with its diffraction, ready to be laid where the light's image is.
 
 use super::diffraction::{Diffraction, shown};
-use super::glare::glare;
+use super::glare::{GlareImage, far_spikes, veil_image};
 use crate::camera::flare::{Aperture, spectrum};
 
 /// How many pupil diameters the aperture's mask spans: two, so that the power, whose frequencies are twice the amplitude's, is
@@ -47,12 +47,14 @@ pub struct StarburstPattern {
     pub size: usize,
     /// Half its side on the sensor, millimetres.
     pub half_mm: f64,
-    /// Columns, rows and half the side of the glare: what is scattered, and the spikes beyond the pattern.
+    /// Columns and rows of the glare: the spikes beyond the pattern, and what is scattered.
     pub glare_size: usize,
-    /// Millimetres.
+    /// Half its side, millimetres.
     pub glare_half_mm: f64,
-    /// Radiance as `radiance`.
-    pub glare: Vec<[f32; 3]>,
+    /// The spikes' radiance as `radiance`.
+    pub spikes: Vec<[f32; 3]>,
+    /// That of what is scattered: it depends on how much light there is and not on the size of its disc.
+    pub veil: Vec<[f32; 3]>,
     /// Part of the light that its sharp image keeps, by channel, where that is not in the pattern; else 0.
     pub disc_fraction: [f64; 3],
     /// Radiance for a light of irradiance 1, linear sRGB, rows from the top. The whole light of the source falls on the
@@ -74,7 +76,10 @@ impl StarburstPattern {
         let (spread, disc_fraction) =
             diffraction.spread(&colours, optics.f_number, disc_mm, image, parameters.with_disc);
         let glare_half_mm = GLARE_MM.max(GLARE_TANGENT * optics.focal_mm).min(2.0 * GLARE_MM);
-        let glare_size = (transform_size / TRANSFORM_BY_GLARE).max(256);
+        let glare = GlareImage {
+            size: (transform_size / TRANSFORM_BY_GLARE).max(256),
+            half_mm: glare_half_mm,
+        };
         let shown = |r: f64| shown(r / half_mm);
         let square = (optics.focal_mm * optics.focal_mm) as f32;
         // Its rows run from below.
@@ -82,9 +87,10 @@ impl StarburstPattern {
         Self {
             size,
             half_mm,
-            glare_size,
+            glare_size: glare.size,
             glare_half_mm,
-            glare: glare(optics, &colours, glare_size, glare_half_mm, shown),
+            spikes: far_spikes(optics, &colours, glare, shown),
+            veil: veil_image(optics.focal_mm, glare),
             disc_fraction,
             radiance: rows.map(|rgb| rgb.map(|value| value * square)).collect(),
         }

@@ -3,6 +3,8 @@
 
 use std::f64::consts::TAU;
 
+use glam::DVec2;
+
 use super::{ImageTable, LightImage};
 use crate::camera::flare::{FlareImager, FlareLight, FlareMode, FlareRequest, GhostParameters, Pattern};
 use crate::gpu::GpuError;
@@ -49,6 +51,7 @@ pub fn bake_images(
                     azimuth,
                     irradiance: [1.0; 3],
                     visible_fraction: 1.0,
+                    visible_offset: DVec2::ZERO,
                     ..request.light
                 },
                 image_half_mm: half_mm,
