@@ -9,7 +9,7 @@ use rilievo::city::City;
 use rilievo::gpu::Gpu;
 use rilievo::output::{FrameRequest, Renderer};
 use rilievo::relief::extrusion::{
-    Extrusion, ExtrusionMethod, HeightImage, Overflow, TextureImage, draw_extrusion,
+    Extrusion, ExtrusionMethod, FIGURES, HeightImage, Overflow, TextureImage, draw_extrusion, draw_figure,
 };
 use rilievo::relief::{ReliefMode, ReliefSettings, SearchParameters};
 use rilievo::scene::TerrainMesh;
@@ -349,5 +349,31 @@ fn search_approaches_the_truth() {
         );
         // Texels of a metre are what is left.
         assert!(shares[3] < 0.12, "{name}: {shares:?}");
+    }
+}
+
+/// The patent's figures look as they did when they were looked at: `tests/fixtures/figures.png`, drawn by
+/// `rilievo relief --figures --size 100x80`.
+#[test]
+fn figures_look_as_they_did() {
+    const FIGURE: [u32; 2] = [100, 80];
+    const COLUMNS: u32 = 4;
+    const GAP: u32 = 6;
+    let golden = image::open("tests/fixtures/figures.png").unwrap().into_rgba8();
+    let gpu = Gpu::open().unwrap();
+    for (index, figure) in (0..).zip(&FIGURES) {
+        let drawn = draw_figure(&gpu, figure, FIGURE).unwrap();
+        let [left, top] = [
+            index % COLUMNS * (FIGURE[0] + GAP),
+            index / COLUMNS * (FIGURE[1] + GAP),
+        ];
+        let others = drawn.chunks_exact(4).zip(0..).filter(|(pixel, k)| {
+            let known = golden.get_pixel(left + k % FIGURE[0], top + k / FIGURE[0]);
+            known.0.iter().zip(*pixel).any(|(a, b)| a.abs_diff(*b) > 12)
+        });
+        // Devices round the place of an edge differently.
+        let others = others.count();
+        println!("figure {}: {others} pixels differ", figure.name);
+        assert!(others < 40, "figure {}: {others} pixels", figure.name);
     }
 }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::CommandError;
 use super::camera_flags::sun;
+use super::default_views::{DEFAULT_FOV_DEG, default_views};
 use super::path_file::read_path;
 use super::pool_flags::{PoolFlags, tell_warnings};
 use super::statistics::median;
@@ -15,8 +16,8 @@ use crate::buildings::Building;
 use crate::camera::Camera;
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimes};
-use crate::output::{FrameRequest, PathKey, RenderError, Renderer};
-use crate::relief::{ReliefMode, ReliefSettings, cast_buildings};
+use crate::output::{FrameRequest, RenderError, Renderer};
+use crate::relief::{ReliefMode, ReliefSettings, SearchParameters, cast_buildings};
 use crate::scene::{Frustum, TerrainMesh, TileSet};
 use crate::space::Projection;
 
@@ -42,6 +43,9 @@ pub struct BenchArgs {
     /// Frames a view; the median counts.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
+    /// The search of KR 10-0738500 as well, by so many slices each.
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096), conflicts_with = "flare")]
+    slices: Vec<u32>,
     #[command(flatten)]
     pool: PoolFlags,
     /// Print one JSON object.
@@ -49,10 +53,28 @@ pub struct BenchArgs {
     json: bool,
 }
 
-/// Field of view where a view says none, degrees.
-const DEFAULT_FOV_DEG: f64 = 60.0;
+/// Ways of drawing that are timed.
+fn ways(slices: &[u32]) -> Vec<(ReliefMode, SearchParameters)> {
+    let usual = SearchParameters::default();
+    let searches = slices.iter().map(|&slices| {
+        let search = SearchParameters { slices, ..usual };
+        (ReliefMode::Search, search)
+    });
+    [ReliefMode::Exact, ReliefMode::Polygons]
+        .map(|mode| (mode, usual))
+        .into_iter()
+        .chain(searches)
+        .collect()
+}
 
-/// Times both ways of drawing.
+/// Of the pixels that show a building in either of two images of ids, the part that shows another one or none in the other.
+fn wrong_part(exact: &[u32], other: &[u32]) -> f64 {
+    let either = exact.iter().zip(other).filter(|(a, b)| **a > 0 || **b > 0);
+    let differ = either.clone().filter(|(a, b)| a != b).count();
+    differ as f64 / either.count().max(1) as f64
+}
+
+/// Times the ways of drawing.
 pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     let Some(folder) = &args.city else {
         return super::bench_flare::run(args.lens.as_deref(), args.size, args.frames, args.json);
@@ -71,21 +93,28 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
         let camera = Camera::pinhole(view.pose(), view.fov.unwrap_or(DEFAULT_FOV_DEG).to_radians());
         let projection = camera.projection(args.size);
         let in_view = buildings_in_view(&buildings, &projection);
-        for mode in [ReliefMode::Exact, ReliefMode::Polygons] {
+        let mut exact_ids = Vec::new();
+        for (mode, search) in ways(&args.slices) {
             let request = FrameRequest {
                 camera: &camera,
                 sun: &sun,
                 size: args.size,
                 relief: ReliefSettings {
                     mode,
+                    search,
                     ..ReliefSettings::default()
                 },
                 flare: None,
                 exposure: 1.0,
             };
+            let ids = renderer.still(&request, 1)?.ids;
             let times = frame_times(&mut renderer, &request, args.frames)?;
             let reads = reads_per_ray(&renderer.resident.tiles, &projection);
             let is_exact = mode == ReliefMode::Exact;
+            let wrong = (!is_exact).then(|| wrong_part(&exact_ids, &ids));
+            if is_exact {
+                exact_ids = ids;
+            }
             let pass = |name: &str| {
                 let of_pass = |(_, passes): &FrameTime| {
                     passes.iter().find(|(known, _)| *known == name).map(|(_, ms)| *ms)
@@ -95,7 +124,12 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
             rows.push(json!({
                 "view": view.name,
                 "buildings_in_view": in_view,
-                "relief": if is_exact { "exact" } else { "polygons" },
+                "relief": match mode {
+                    ReliefMode::Exact => "exact".to_owned(),
+                    ReliefMode::Polygons => "polygons".to_owned(),
+                    ReliefMode::Search => format!("search {}", search.slices),
+                },
+                "wrong_percent": wrong.map(|part| 100.0 * part),
                 "ground_ms": pass("ground"),
                 "buildings_ms": pass("buildings"),
                 "light_ms": pass("light"),
@@ -133,7 +167,7 @@ fn print_table(report: &Value) {
         report["resident_bytes"]
     );
     say!(
-        "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6}",
+        "{:10} {:>8} {:11} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6} {:>8}",
         "view",
         "in view",
         "relief",
@@ -142,7 +176,8 @@ fn print_table(report: &Value) {
         "light ms",
         "wall ms",
         "reads per ray",
-        "(p99)"
+        "(p99)",
+        "wrong %"
     );
     for row in report["views"].as_array().into_iter().flatten() {
         let number = |key: &str| {
@@ -151,7 +186,7 @@ fn print_table(report: &Value) {
                 .map_or("-".to_owned(), |value| format!("{value:.1}"))
         };
         say!(
-            "{:10} {:>8} {:10} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6}",
+            "{:10} {:>8} {:11} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6} {:>8}",
             row["view"].as_str().unwrap_or(""),
             row["buildings_in_view"].as_u64().unwrap_or_default(),
             row["relief"].as_str().unwrap_or(""),
@@ -160,7 +195,8 @@ fn print_table(report: &Value) {
             number("light_ms"),
             number("wall_ms"),
             number("reads_per_ray"),
-            number("reads_per_ray_p99")
+            number("reads_per_ray_p99"),
+            number("wrong_percent")
         );
     }
 }
@@ -219,36 +255,4 @@ fn reads_per_ray(tiles: &TileSet, projection: &Projection) -> ReadsPerRay {
         mean: reads.iter().map(|&count| f64::from(count)).sum::<f64>() / reads.len().max(1) as f64,
         p99: reads.get(reads.len() * 99 / 100).copied().unwrap_or_default(),
     }
-}
-
-/// A low, an oblique and a high view over the centre, and one from above that shows the whole city.
-fn default_views(city: &City, size: [u32; 2]) -> Result<Vec<PathKey>, CommandError> {
-    let bounds = city.manifest().grid.bounds();
-    let centre = bounds.centre();
-    let tile = city.manifest().grid.tile_at(centre);
-    let ground = match tile {
-        Some(tile) => city.terrain(tile)?.and_then(|terrain| terrain.ground.range()),
-        None => None,
-    };
-    let top = f64::from(ground.map_or(0.0, |[_, high]| high));
-    let reach = 0.25 * bounds.width().min(bounds.height());
-    // Far enough for the city's sides to fit, with a tenth to spare.
-    let half_view = (0.5 * DEFAULT_FOV_DEG).to_radians().tan();
-    let aspect = f64::from(size[0]) / f64::from(size[1]);
-    let far = 0.55 * (bounds.height() / half_view).max(bounds.width() / (half_view * aspect));
-    let view = |name: &str, back: f64, up: f64| PathKey {
-        name: name.to_owned(),
-        eye: [centre.x - back, centre.y - back, top + up],
-        look: [centre.x, centre.y, top],
-        ..PathKey::default()
-    };
-    Ok(vec![
-        view("low", 0.4 * reach, 60.0),
-        view("oblique", 0.4 * reach, 0.35 * reach),
-        view("high", 0.6 * reach, 1.6 * reach),
-        PathKey {
-            eye: [centre.x, centre.y - 0.02 * far, top + far],
-            ..view("whole", 0.0, far)
-        },
-    ])
 }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use super::CommandError;
+use super::relief_figures;
 use super::search_flags::SearchFlags;
 use super::values::require_place;
 use crate::gpu::Gpu;
 use crate::output::{RenderError, write_png};
 use crate::relief::extrusion::{
-    Extrusion, ExtrusionMethod, FIGURES, HeightImage, Overflow, TextureImage, draw_extrusion, draw_figure,
+    Extrusion, ExtrusionMethod, HeightImage, Overflow, TextureImage, draw_extrusion,
 };
 use crate::space::{Pose, Projection};
 
@@ -29,6 +30,9 @@ pub struct ReliefArgs {
     /// Draw the patent's figures 7 (a) to (f) and 2 (b), (c) instead, on one sheet.
     #[arg(long, conflicts_with_all = ["texture", "height", "facade"])]
     figures: bool,
+    /// With --figures, a city folder for figure 17: its terrain, and that with its buildings.
+    #[arg(long, requires = "figures")]
+    city: Option<PathBuf>,
     /// Width of the rectangle, metres; its depth follows from the texture.
     #[arg(long, default_value_t = 30.0, value_parser = metres)]
     width_m: f64,
@@ -74,7 +78,7 @@ fn metres(text: &str) -> Result<f64, String> {
 pub fn run(args: &ReliefArgs) -> Result<(), CommandError> {
     require_place(&args.out)?;
     let (Some(texture), Some(height)) = (&args.texture, &args.height) else {
-        return figures(args);
+        return relief_figures::run(args.city.as_deref(), args.size, &args.out);
     };
     let texture = read_texture(texture)?;
     let height = read_height(height)?;
@@ -103,29 +107,6 @@ pub fn run(args: &ReliefArgs) -> Result<(), CommandError> {
     let gpu = Gpu::open().map_err(RenderError::from)?;
     let image = draw_extrusion(&gpu, &extrusion, &projection).map_err(RenderError::from)?;
     Ok(write_png(&args.out, args.size, &image)?)
-}
-
-/// Figures in a row.
-const COLUMNS: usize = 4;
-/// Pixels between them.
-const GAP: usize = 6;
-
-fn figures(args: &ReliefArgs) -> Result<(), CommandError> {
-    let gpu = Gpu::open().map_err(RenderError::from)?;
-    let [width, height] = args.size.map(|side| side as usize);
-    let rows = FIGURES.len().div_ceil(COLUMNS);
-    let sheet = [COLUMNS * (width + GAP) - GAP, rows * (height + GAP) - GAP];
-    let mut pixels = vec![255_u8; 4 * sheet[0] * sheet[1]];
-    for (index, figure) in FIGURES.iter().enumerate() {
-        let image = draw_figure(&gpu, figure, args.size).map_err(RenderError::from)?;
-        let (column, row) = (index % COLUMNS, index / COLUMNS);
-        for (line, source) in image.chunks_exact(4 * width).enumerate() {
-            let place = 4 * ((row * (height + GAP) + line) * sheet[0] + column * (width + GAP));
-            pixels[place..place + source.len()].copy_from_slice(source);
-        }
-        eprintln!("figure {}: {}", figure.name, figure.shows);
-    }
-    Ok(write_png(&args.out, sheet.map(|side| side as u32), &pixels)?)
 }
 
 fn open(path: &Path) -> Result<image::DynamicImage, CommandError> {
