@@ -191,10 +191,8 @@ fn records_are_laid_out_alike_on_both_sides() {
             "scale" = scale,
             "flare_scale" = flare_scale,
             "centre" = centre,
+            "white_balance" = white_balance,
             "places_per_pixel" = places_per_pixel,
-            "padding_a" = padding_a,
-            "padding_b" = padding_b,
-            "padding_c" = padding_c,
             "falloff" = falloff,
         ]
     );

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use rilievo::camera::{daylight, daylight_exposure};
+use rilievo::camera::{daylight, daylight_exposure, white_balance};
 use rilievo::space::Sun;
 use rilievo::space::atmosphere::{
     Atmosphere, EYE_KM, GROUND_ALBEDO, GROUND_KM, MIE_G, Medium, SkyIrradiance, TOP_KM, mie_phase,
@@ -165,7 +165,7 @@ fn the_sky_is_what_paths_through_the_air_give() {
 #[test]
 fn a_day_has_no_jump() {
     let (latitude, declination) = (45_f64.to_radians(), 15_f64.to_radians());
-    let exposed: Vec<[f64; 2]> = (0..=96)
+    let exposed: Vec<[f64; 4]> = (0..=96)
         .map(|step| {
             let hour = std::f64::consts::TAU * (f64::from(step) / 96.0 - 0.5);
             let sine = latitude.sin() * declination.sin() + latitude.cos() * declination.cos() * hour.cos();
@@ -173,7 +173,18 @@ fn a_day_has_no_jump() {
             assert!(sun.irradiance.min_element() >= 0.0);
             let sky = SkyIrradiance::new(&Atmosphere::get().sky_view(sine)).on(DVec3::Z);
             let day = daylight(&sun, sky * rilievo::space::SUN_ABOVE_AIR);
-            [day, f64::from(daylight_exposure(day)) * (day + 0.0013)]
+            let luminance = day.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+            let balance = white_balance(day);
+            assert!(
+                balance.iter().all(|factor| (0.5..2.0).contains(factor)),
+                "{balance:?}"
+            );
+            [
+                luminance,
+                f64::from(daylight_exposure(day)) * (luminance + 0.0013),
+                (day.x + 0.004) / (day.z + 0.004),
+                f64::from(balance[0] / balance[2]),
+            ]
         })
         .collect();
     let [dark, bright] = [exposed[0], exposed[48]];
@@ -182,5 +193,10 @@ fn a_day_has_no_jump() {
     for (step, pair) in exposed.windows(2).enumerate() {
         let stops = (pair[1][1] / pair[0][1]).log2().abs();
         assert!(stops < 1.1, "step {step}: {stops} stops of {pair:?}");
+        let turn = (pair[1][2] / pair[0][2]).log2().abs();
+        assert!(
+            turn < 0.35,
+            "step {step}: white turns by {turn} stops of {pair:?}"
+        );
     }
 }

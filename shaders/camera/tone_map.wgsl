@@ -7,11 +7,10 @@ struct Exposure {
     flare_scale: f32,
     // The image's centre, pixels.
     centre: vec2<f32>,
+    // Factors of the channels on top of either.
+    white_balance: vec3<f32>,
     // Places of the falloff a pixel from the centre; none without a lens.
     places_per_pixel: f32,
-    padding_a: f32,
-    padding_b: f32,
-    padding_c: f32,
     // Part of the light at equal distances from the centre to the sensor's corner (src/camera/vignetting.rs).
     falloff: array<vec4<f32>, 4>,
 }
@@ -36,5 +35,5 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<i32>(position.xy);
     let city = textureLoad(sum, pixel, 0).rgb * exposure.scale * vignetting(position.xy);
     let colour = city + textureLoad(flare, pixel, 0).rgb * exposure.flare_scale;
-    return vec4<f32>(tone_curve(colour), 1.0);
+    return vec4<f32>(tone_curve(colour * exposure.white_balance), 1.0);
 }

@@ -24,7 +24,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec2<u32> {
     let packed = select(relief.w, textureLoad(ground_normal, pixel, 0).x, is_ground);
     let normal = unpack_normal(packed);
     let start = lifted(ray_direction(vec2<f32>(pixel) + 0.5) * t, normal, is_ground);
-    let random = sample_numbers(pixel, frame.sample);
+    let random = sample_numbers(vec2<i32>(position.xy), frame.sample);
     let to_sky = around(normal, sqrt(random.x), 2.0 * PI * random.y);
     var meets = MEETS_GROUND;
     if to_sky.z > 0.0 {

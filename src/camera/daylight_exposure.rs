@@ -15,16 +15,33 @@ const FOLLOWS: f64 = 0.78;
 /// Daylight below which it follows no farther: street lamps.
 const DARKEST: f64 = 0.004;
 
-/// Mean irradiance of a town's surfaces that are in the light, luminance. `sky`: irradiance of level ground by the sky, linear sRGB.
-pub fn daylight(sun: &Sun, sky: DVec3) -> f64 {
+/// Mean irradiance of a town's surfaces that are in the light, linear sRGB. `sky`: of level ground by the sky alone.
+pub fn daylight(sun: &Sun, sky: DVec3) -> DVec3 {
     let sine = sun.to_sun.z.clamp(0.0, 1.0);
     let met = LEVEL * sine + UPRIGHT * (1.0 - sine * sine).sqrt();
-    (sky + sun.irradiance * met).dot(DVec3::new(0.2126, 0.7152, 0.0722))
+    sky + sun.irradiance * met
 }
 
-/// The factor for a daylight, in the image's unit.
-pub fn daylight_exposure(daylight: f64) -> f32 {
-    ((USUAL + DARKEST) / (daylight.max(0.0) + DARKEST)).powf(FOLLOWS) as f32
+/// The factor for a daylight (linear sRGB, in the image's unit).
+pub fn daylight_exposure(daylight: DVec3) -> f32 {
+    ((USUAL + DARKEST) / (luminance(daylight).max(0.0) + DARKEST)).powf(FOLLOWS) as f32
+}
+
+fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// How far white follows the daylight's colour, as a power: 1 would make every hour's grey grey, and no evening warm.
+const BALANCES: f64 = 0.5;
+
+/// Factors of the channels that make white of a daylight, part of the way, as an eye that has grown used to it; its luminance stays. Where
+/// lamps outshine the daylight white is theirs.
+pub fn white_balance(daylight: DVec3) -> [f32; 3] {
+    let light = daylight.max(DVec3::ZERO) + DARKEST;
+    let colour = light / luminance(light);
+    let factors = colour.powf(-BALANCES);
+    let kept = luminance(factors * light) / luminance(light);
+    (factors / kept).as_vec3().to_array()
 }
 
 /// How much a photographer stops down who looks straight at the sun, as a factor; and the angle over which that fades, radians.
@@ -52,11 +69,39 @@ mod tests {
         let mut last = (f64::INFINITY, 0.0);
         for step in 0..200 {
             let daylight = 4.0 * 0.93_f64.powi(step);
-            let exposure = f64::from(daylight_exposure(daylight));
+            let exposure = f64::from(daylight_exposure(DVec3::splat(daylight)));
             let image = exposure * daylight;
             assert!(exposure >= last.1 && image <= last.0 + 1e-9, "{daylight}");
             last = (image, exposure);
         }
-        assert!((daylight_exposure(USUAL) - 1.0).abs() < 1e-3);
+        assert!((daylight_exposure(DVec3::splat(USUAL)) - 1.0).abs() < 1e-3);
+    }
+
+    /// White light stays as it is; a coloured one comes nearer to white, keeps its luminance, and does not change sides.
+    #[test]
+    fn coloured_daylight_comes_nearer_to_white() {
+        assert!(
+            white_balance(DVec3::splat(2.0))
+                .iter()
+                .all(|factor| (factor - 1.0).abs() < 1e-6)
+        );
+        for daylight in [
+            DVec3::new(3.0, 2.2, 1.1),
+            DVec3::new(0.06, 0.05, 0.12),
+            DVec3::new(0.2, 0.12, 0.16),
+        ] {
+            let balanced = daylight * glam::Vec3::from_array(white_balance(daylight)).as_dvec3();
+            assert!(
+                (luminance(balanced) / luminance(daylight) - 1.0).abs() < 0.01,
+                "{daylight}"
+            );
+            let spread = |rgb: DVec3| rgb.max_element() / rgb.min_element();
+            assert!(
+                spread(balanced) < 0.75 * spread(daylight) + 0.25,
+                "{daylight}: {balanced}"
+            );
+            let order = |rgb: DVec3| [rgb.x > rgb.y, rgb.y > rgb.z];
+            assert_eq!(order(balanced), order(daylight), "{daylight}: {balanced}");
+        }
     }
 }

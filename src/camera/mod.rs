@@ -27,7 +27,7 @@ mod vignetting;
 
 pub use accumulate_pass::AccumulatePass;
 pub use auto_exposure::auto_exposure;
-pub use daylight_exposure::{daylight, daylight_exposure, towards_sun_exposure};
+pub use daylight_exposure::{daylight, daylight_exposure, towards_sun_exposure, white_balance};
 pub use diagram::lens_diagram;
 pub use optics::{Camera, FULL_FRAME_MM, LensOptics, Optics, require_f_number};
 pub use paraxial::{

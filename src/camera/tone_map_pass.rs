@@ -16,10 +16,8 @@ pub struct Exposure {
     pub scale: f32,
     pub flare_scale: f32,
     pub centre: [f32; 2],
+    pub white_balance: [f32; 3],
     pub places_per_pixel: f32,
-    pub padding_a: f32,
-    pub padding_b: f32,
-    pub padding_c: f32,
     pub falloff: [glam::Vec4; 4],
 }
 
@@ -28,6 +26,8 @@ pub struct Exposure {
 pub struct ToneMapping<'a> {
     /// Factor on radiance.
     pub exposure: f32,
+    /// Factors of the channels on top of that.
+    pub white_balance: [f32; 3],
     /// Samples in the sum.
     pub samples: u32,
     /// The lens's vignetting, and half of the sensor's part that the image shows, millimetres; none without a lens.
@@ -49,10 +49,8 @@ impl Exposure {
             scale: mapping.exposure / mapping.samples.max(1) as f32,
             flare_scale: mapping.exposure,
             centre: size.map(|side| 0.5 * side as f32),
+            white_balance: mapping.white_balance,
             places_per_pixel: places_per_pixel as f32,
-            padding_a: 0.0,
-            padding_b: 0.0,
-            padding_c: 0.0,
             falloff: std::array::from_fn(|k| glam::Vec4::from_slice(&falloff[4 * k..])),
         }
     }

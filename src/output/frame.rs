@@ -13,6 +13,7 @@ use glam::DVec2;
 use super::{FlareSettings, RenderError, Renderer};
 use crate::camera::{
     Camera, LensOptics, ToneMapping, Vignetting, daylight, daylight_exposure, towards_sun_exposure,
+    white_balance,
 };
 use crate::gpu::Band;
 use crate::relief::{ReliefSettings, ReliefView, TIMED_PASSES, sun_seen_from};
@@ -179,6 +180,7 @@ impl Renderer {
         let half_mm = |lens: &LensOptics| lens.image_half_mm(request.size);
         let mapping = ToneMapping {
             exposure,
+            white_balance: white_balance(daylight),
             samples,
             vignetting: self.vignetting.as_ref().zip(request.camera.lens().map(half_mm)),
         };

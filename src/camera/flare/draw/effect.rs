@@ -322,7 +322,12 @@ impl FlareEffect {
         let mut changed = false;
         // Far from a disc the light of its starburst falls with the cube of the distance, on average, and does not depend on its
         // size: that of a smaller disc with as much light is the same made smaller and brighter. The veil stays as it is.
-        let smaller = request.light.visible_radius();
+        // Nor does a disc that is drawn whole become smaller.
+        let smaller = if parameters.with_disc {
+            1.0
+        } else {
+            request.light.visible_radius()
+        };
         for ((half_mm, sprite), smaller) in starburst.sprites.iter_mut().zip([smaller, smaller, 1.0]) {
             let irradiance = request.light.visible_irradiance();
             let factor = irradiance.map(|channel| channel / smaller.powi(3));
