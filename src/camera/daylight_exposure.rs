@@ -31,15 +31,22 @@ fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// How far white follows the daylight's colour, as a power: 1 would make every hour's grey grey, and no evening warm.
-const BALANCES: f64 = 0.5;
+/// How far white follows the daylight's colour, as powers: from magenta to green, and from blue and from orange to neither. 1 would make
+/// every hour's grey grey; a low sun stays warm.
+const GREENS: f64 = 0.5;
+const WARMS: f64 = 0.5;
+const COOLS: f64 = 0.12;
 
-/// Factors of the channels that make white of a daylight, part of the way, as an eye that has grown used to it; its luminance stays. Where
-/// lamps outshine the daylight white is theirs.
+/// Factors of the channels that bring a daylight nearer to white, as an eye does that has grown used to it; its luminance stays. Where lamps
+/// outshine the daylight white is theirs.
 pub fn white_balance(daylight: DVec3) -> [f32; 3] {
     let light = daylight.max(DVec3::ZERO) + DARKEST;
-    let colour = light / luminance(light);
-    let factors = colour.powf(-BALANCES);
+    let logarithm = light.map(f64::ln);
+    let warmth = logarithm.x - logarithm.z;
+    let greenness = logarithm.y - 0.5 * (logarithm.x + logarithm.z);
+    let followed = if warmth > 0.0 { COOLS } else { WARMS } * warmth * DVec3::new(0.5, 0.0, -0.5)
+        + GREENS * greenness * DVec3::new(-1.0, 2.0, -1.0) / 3.0;
+    let factors = (-followed).exp();
     let kept = luminance(factors * light) / luminance(light);
     (factors / kept).as_vec3().to_array()
 }
@@ -97,7 +104,7 @@ mod tests {
             );
             let spread = |rgb: DVec3| rgb.max_element() / rgb.min_element();
             assert!(
-                spread(balanced) < 0.75 * spread(daylight) + 0.25,
+                spread(balanced) < 0.97 * spread(daylight),
                 "{daylight}: {balanced}"
             );
             let order = |rgb: DVec3| [rgb.x > rgb.y, rgb.y > rgb.z];

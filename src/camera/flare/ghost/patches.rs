@@ -14,6 +14,8 @@ const UNSEEN_SOFT: f64 = 0.12;
 const UNSEEN_STOP: f64 = 0.008;
 /// Height by the barrel's.
 const UNSEEN_HEIGHT: f64 = 0.01;
+/// Most of either of a ghost however small.
+const MOST_UNSEEN: f64 = 0.1;
 /// Least patches along an edge.
 const MIN_PATCHES: f64 = 3.0;
 
@@ -32,13 +34,25 @@ pub fn rays_needed(
         ray.relative_height <= 1.0 + softness.front.min(0.2)
             && ray.stop_mm.length() <= (1.1 + softness.stop.min(0.5)) * stop_mm
     };
+    let unseen_mm = (UNSEEN * half_diagonal_mm).max(UNSEEN_SOFT * softness.edge_mm);
+    // A radius of the iris, and of the front, is half of the ghost at least: what is not seen of a small one.
+    let lands = known
+        .rays
+        .iter()
+        .flatten()
+        .filter(|ray| seen(ray))
+        .map(|ray| ray.sensor_mm);
+    let [low, high] = lands.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], at| {
+        [low.min(at), high.max(at)]
+    });
+    let unseen_radii = (2.0 * unseen_mm / (high - low).max_element().max(1e-9)).min(MOST_UNSEEN);
     // Between two rays a distance h apart, a straight line is off by an eighth of the second difference at h.
     let unseen = 8.0
         * DVec2::new(
-            (UNSEEN * half_diagonal_mm).max(UNSEEN_SOFT * softness.edge_mm),
-            UNSEEN_STOP.max(UNSEEN_SOFT * softness.stop) * stop_mm,
+            unseen_mm,
+            UNSEEN_STOP.max(UNSEEN_SOFT * softness.stop).max(unseen_radii) * stop_mm,
         );
-    let unseen_height = 8.0 * UNSEEN_HEIGHT.max(UNSEEN_SOFT * softness.front);
+    let unseen_height = 8.0 * UNSEEN_HEIGHT.max(UNSEEN_SOFT * softness.front).max(unseen_radii);
     let mut patches = MIN_PATCHES;
     let mut has_seen = false;
     for k in 0..size * size {
