@@ -1,4 +1,4 @@
-//! Exposure that follows the daylight, as an eye or a photographer does: not all the way, so that evenings stay darker than noon.
+//! Exposure and white that follow the daylight, as an eye or a photographer does: not all the way, so that evenings stay darker than noon.
 //! It goes by the sky over the city, not by the image, so that it needs no image read back and does not flicker as the camera moves.
 
 use glam::DVec3;
