@@ -31,6 +31,27 @@ fn arguments(path: &Path, out: &Path) -> Vec<String> {
     all
 }
 
+/// What `render` gives of the flight at the time of a frame.
+fn still_of(path: &Path, frame: usize, out: &Path) {
+    let city = support::sample().join("city").display().to_string();
+    let at = (frame as f64 / 4.0).to_string();
+    let [path, out] = [path, out].map(|path| path.display().to_string());
+    succeed(&[
+        "render",
+        &city,
+        "--path",
+        &path,
+        "--at",
+        &at,
+        "--size",
+        "96x54",
+        "--samples",
+        "2",
+        "--out",
+        &out,
+    ]);
+}
+
 /// Names and bytes of the PNG files of a folder.
 fn frames(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut found: Vec<(String, Vec<u8>)> = fs::read_dir(folder)
@@ -65,23 +86,7 @@ fn a_film_is_its_stills_and_is_finished_after_it_was_killed() {
     // Each frame is what `render` gives of the flight at its time.
     for frame in [0, 3, 7, 9] {
         let still = folder.path().join("still.png");
-        let city = support::sample().join("city").display().to_string();
-        let at = (frame as f64 / 4.0).to_string();
-        let [path, out] = [&path, &still].map(|path| path.display().to_string());
-        succeed(&[
-            "render",
-            &city,
-            "--path",
-            &path,
-            "--at",
-            &at,
-            "--size",
-            "96x54",
-            "--samples",
-            "2",
-            "--out",
-            &out,
-        ]);
+        still_of(&path, frame, &still);
         assert!(
             fs::read(&still).unwrap() == first[frame].1,
             "frame {frame} is not its still"
@@ -267,4 +272,28 @@ fn tracks_are_read_as_they_are() {
     assert!(line[0].position.distance(track[0].position) < 0.01 && line[0].time_s.is_none());
     let empty = read_track(&write("b.gpx", &gpx("")), &crs);
     assert!(empty.is_err_and(|error| error.to_string().contains("b.gpx") && error.to_string().contains("no track")));
+}
+
+/// Frames of linear radiance are the radiance of their views, and no video is made of them.
+#[test]
+fn frames_of_radiance_are_their_stills() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.json");
+    fs::write(&path, FLIGHT).unwrap();
+    let out = folder.path().join("radiance");
+    let mut all = arguments(&path, &out);
+    all.extend(["--frames", "exr"].map(str::to_owned));
+    succeed(&all);
+    let still = folder.path().join("still.exr");
+    for frame in [0, 6] {
+        still_of(&path, frame, &still);
+        let drawn = fs::read(out.join(format!("{frame:06}.exr"))).unwrap();
+        assert!(drawn == fs::read(&still).unwrap(), "frame {frame}");
+    }
+    let mut all = arguments(&path, &folder.path().join("film.mp4"));
+    all.extend(["--frames", "exr"].map(str::to_owned));
+    let refused = rilievo(&all);
+    let error = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(1), "{error}");
+    assert!(error.contains("film.mp4"), "{error}");
 }

@@ -15,8 +15,8 @@ use crate::camera::require_f_number;
 use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{
-    FilmFrame, Flight, FlightPath, FlightView, FrameFolder, RenderError, Renderer, encode_video,
-    require_encoder,
+    FilmFrame, Flight, FlightPath, FlightView, FrameFolder, FrameKind, FramePixels, RenderError, Renderer,
+    encode_video, require_encoder,
 };
 use crate::relief::ReliefMode;
 use crate::scene::{PoolOptions, TerrainMesh};
@@ -34,9 +34,12 @@ pub struct FilmArgs {
     /// Frames a second.
     #[arg(long, default_value_t = 30.0, value_parser = frames_per_s)]
     fps: f64,
-    /// The film: a file that ends in .mp4, or a folder for numbered PNG files.
+    /// The film: a file that ends in .mp4, or a folder for numbered files.
     #[arg(long)]
     out: PathBuf,
+    /// What the files of a folder hold: PNG, or linear radiance as OpenEXR.
+    #[arg(long, value_enum, default_value = "png")]
+    frames: FrameKind,
     /// Image size, pixels.
     #[arg(long, default_value = "1280x720", value_parser = super::values::size)]
     size: [u32; 2],
@@ -79,6 +82,12 @@ pub fn run(args: &FilmArgs) -> Result<(), CommandError> {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("mp4"));
     if is_video {
         require_encoder(&args.out)?;
+        if args.frames != FrameKind::Png {
+            return Err(CommandError::Argument(format!(
+                "{}: a video holds no radiance; name a folder with --frames exr",
+                args.out.display()
+            )));
+        }
     }
     let city = City::open(&args.city)?;
     let path = read_path(&args.path, &city)?;
@@ -117,7 +126,7 @@ pub fn run(args: &FilmArgs) -> Result<(), CommandError> {
     } else {
         args.out.clone()
     };
-    let frames = FrameFolder::open(&folder, &film_key(args, &city, &path))?;
+    let frames = FrameFolder::open(&folder, &film_key(args, &city, &path), args.frames)?;
     draw_frames(&film, &frames, (args, &city), sun)?;
     if is_video {
         encode_video(&frames, args.fps, &args.out)?;
@@ -143,7 +152,8 @@ fn film_key(args: &FilmArgs, city: &City, path: &FlightPath) -> String {
             args.samples,
             args.shutter,
             &args.time,
-            args.exposure
+            args.exposure,
+            args.frames
         ),
         manifest.generation,
         (manifest, &args.relief, &args.camera, &args.pool),
@@ -177,7 +187,13 @@ fn draw_frames(
     for frame in missing {
         let sun = film.view(frame).sun_or(sun, city.manifest().place)?;
         let still = film.draw(&mut renderer, frame, &sun)?;
-        frames.put(frame, film.size, &still.rgba)?;
+        match args.frames {
+            FrameKind::Png => frames.put(frame, film.size, FramePixels::Display(&still.rgba))?,
+            FrameKind::Exr => {
+                let radiance = renderer.radiance(film.samples.max(1))?;
+                frames.put(frame, film.size, FramePixels::Radiance(&radiance))?;
+            }
+        }
         bar.inc(1);
         tell_warnings(&mut renderer);
     }

@@ -100,17 +100,22 @@ pub fn image_kind(path: &Path) -> Result<ImageKind, OutputError> {
 /// Writes linear radiance, RGB, rows from the top: OpenEXR where the path says so, else a TIFF.
 pub fn write_radiance(path: &Path, size: [u32; 2], radiance: &[[f32; 3]]) -> Result<(), OutputError> {
     if image_kind(path).is_ok_and(|kind| kind == ImageKind::RadianceExr) {
-        return image::save_buffer_with_format(
-            path,
-            bytemuck::cast_slice(radiance),
-            size[0],
-            size[1],
-            image::ExtendedColorType::Rgb32F,
-            image::ImageFormat::OpenExr,
-        )
-        .map_err(|error| output_error(path)(error.to_string()));
+        return write_exr(path, size, radiance);
     }
     write_tiff::<colortype::RGB32Float>(path, size, radiance.as_flattened())
+}
+
+/// The same as OpenEXR, whatever the path's ending.
+pub fn write_exr(path: &Path, size: [u32; 2], radiance: &[[f32; 3]]) -> Result<(), OutputError> {
+    image::save_buffer_with_format(
+        path,
+        bytemuck::cast_slice(radiance),
+        size[0],
+        size[1],
+        image::ExtendedColorType::Rgb32F,
+        image::ImageFormat::OpenExr,
+    )
+    .map_err(|error| output_error(path)(error.to_string()))
 }
 
 /// Most pixels of a drawing.

@@ -14,12 +14,14 @@ pub use contact_sheet::{ContactSheet, contact_sheet};
 pub use debug_view::{DEBUG_VIEW, DebugFrame, DebugView, Intermediate};
 pub use error::RenderError;
 pub use film::{
-    FilmFrame, Flight, FlightPath, FlightView, FrameFolder, PathError, PathKey, encode_video, require_encoder,
+    FilmFrame, Flight, FlightPath, FlightView, FrameFolder, FrameKind, FramePixels, PathError, PathKey,
+    encode_video, require_encoder,
 };
 pub use flare_pass::FlareSettings;
 pub use frame::FrameRequest;
 pub use image_files::{
-    ImageKind, OutputError, image_kind, write_depth, write_drawing, write_ids, write_png, write_radiance,
+    ImageKind, OutputError, image_kind, write_depth, write_drawing, write_exr, write_ids, write_png,
+    write_radiance,
 };
 pub use renderer::Renderer;
 pub use still::Still;

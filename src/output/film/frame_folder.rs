@@ -1,24 +1,55 @@
-//! The folder of a film's frames: PNG files that appear whole, so that a film that was stopped goes on where it was.
+//! The folder of a film's frames: files that appear whole, so that a film that was stopped goes on where it was.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::output::{OutputError, write_png};
+use crate::output::{OutputError, write_exr, write_png};
+
+/// What a film's frames hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum FrameKind {
+    /// 8-bit sRGB.
+    #[default]
+    Png,
+    /// Linear radiance, before exposure and tone mapping.
+    Exr,
+}
+
+impl FrameKind {
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Exr => "exr",
+        }
+    }
+}
+
+/// A frame's pixels, rows from the top.
+#[derive(Clone, Copy, Debug)]
+pub enum FramePixels<'a> {
+    /// 8-bit sRGB, RGBA.
+    Display(&'a [u8]),
+    /// Linear RGB.
+    Radiance(&'a [[f32; 3]]),
+}
 
 /// The frames of one film.
 pub struct FrameFolder {
     folder: PathBuf,
+    kind: FrameKind,
 }
 
 /// What the frames are of: a film of other parameters begins anew.
 const KEY_FILE: &str = "film.key";
+/// After the ending of a frame that is being written.
+const PARTIAL: &str = ".partial";
 
 impl FrameFolder {
     /// Opens a folder for frames of a film that `key` tells from others. Frames of another film are removed.
     ///
     /// # Errors
     /// When the folder holds other things, or cannot be written.
-    pub fn open(folder: &Path, key: &str) -> Result<Self, OutputError> {
+    pub fn open(folder: &Path, key: &str, kind: FrameKind) -> Result<Self, OutputError> {
         let error = |path: &Path, why: String| OutputError {
             path: path.to_owned(),
             why,
@@ -60,12 +91,13 @@ impl FrameFolder {
         }
         Ok(Self {
             folder: folder.to_owned(),
+            kind,
         })
     }
 
     /// The file of a frame.
     pub fn path(&self, frame: u32) -> PathBuf {
-        self.folder.join(format!("{frame:06}.png"))
+        self.folder.join(format!("{frame:06}.{}", self.kind.ending()))
     }
 
     /// Whether a frame is there.
@@ -73,14 +105,17 @@ impl FrameFolder {
         self.path(frame).is_file()
     }
 
-    /// Puts a frame in: 8-bit RGBA, rows from the top.
+    /// Puts a frame in.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn put(&self, frame: u32, size: [u32; 2], rgba: &[u8]) -> Result<(), OutputError> {
+    pub fn put(&self, frame: u32, size: [u32; 2], pixels: FramePixels<'_>) -> Result<(), OutputError> {
         let path = self.path(frame);
-        let beside = path.with_extension("png.partial");
-        write_png(&beside, size, rgba)?;
+        let beside = path.with_extension(format!("{}{PARTIAL}", self.kind.ending()));
+        match pixels {
+            FramePixels::Display(rgba) => write_png(&beside, size, rgba)?,
+            FramePixels::Radiance(radiance) => write_exr(&beside, size, radiance)?,
+        }
         // A frame that is there is whole, also after the power failed.
         let durable = fs::File::open(&beside).and_then(|file| file.sync_all());
         durable
@@ -93,7 +128,7 @@ impl FrameFolder {
 
     /// What ffmpeg reads: a pattern of file names.
     pub fn pattern(&self) -> PathBuf {
-        self.folder.join("%06d.png")
+        self.folder.join(format!("%06d.{}", self.kind.ending()))
     }
 
     /// Removes the folder, whose frames are in a video.
@@ -115,7 +150,7 @@ fn is_frame_name(name: &str) -> bool {
     };
     number.len() >= 6
         && number.bytes().all(|byte| byte.is_ascii_digit())
-        && ["png", "png.partial"].contains(&ending)
+        && ["png", "exr"].contains(&ending.strip_suffix(PARTIAL).unwrap_or(ending))
 }
 
 #[cfg(test)]
@@ -125,12 +160,13 @@ mod tests {
     #[test]
     fn frames_stay_for_the_same_film_and_go_for_another() -> Result<(), Box<dyn std::error::Error>> {
         let folder = std::env::temp_dir().join(format!("rilievo-frames-{}", std::process::id()));
-        let frames = FrameFolder::open(&folder, "a")?;
-        frames.put(3, [1, 1], &[1, 2, 3, 255])?;
-        assert!(FrameFolder::open(&folder, "a")?.has(3));
-        assert!(!FrameFolder::open(&folder, "b")?.has(3));
+        let open = |key: &str| FrameFolder::open(&folder, key, FrameKind::Png);
+        let frames = open("a")?;
+        frames.put(3, [1, 1], FramePixels::Display(&[1, 2, 3, 255]))?;
+        assert!(open("a")?.has(3));
+        assert!(!open("b")?.has(3));
         fs::write(folder.join("thesis.doc"), "mine")?;
-        assert!(FrameFolder::open(&folder, "c").is_err());
+        assert!(open("c").is_err());
         assert!(folder.join("thesis.doc").is_file());
         Ok(fs::remove_dir_all(&folder)?)
     }

@@ -14,5 +14,5 @@ mod video;
 pub use film_frame::FilmFrame;
 pub use flight::{Flight, FlightView};
 pub use flight_path::{FlightPath, PathError, PathKey};
-pub use frame_folder::FrameFolder;
+pub use frame_folder::{FrameFolder, FrameKind, FramePixels};
 pub use video::{encode_video, require_encoder};
