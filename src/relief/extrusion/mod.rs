@@ -20,7 +20,7 @@
 //! | 12 | polygons displaced by the global map, details by the local one, both at once | `ground.wgsl` and `search.wgsl` or `exact.wgsl` | `tests/truth.rs` |
 //! | 12 | the height direction is the same on neighbouring polygons | up everywhere: `march.wgsl` walks in world space | `tests/light.rs`, `shadows_agree_with_the_ray_caster`; `tests/truth.rs` |
 //! | 23 | global map: bare terrain; local map: buildings; texture: orthophotos | a city (`crate::city`) | `tests/light.rs`, `imagery_lies_where_the_survey_has_it` |
-//! | | figures 2, 7 and 17 as scenes | [`FIGURES`], `rilievo relief --figures --city` | `figures_look_as_they_did` |
+//! | | figures 2, 7 and 17 as scenes | [`FIGURES`], `rilievo relief` | `figures_look_as_they_did` |
 
 mod drawer;
 mod figures;
