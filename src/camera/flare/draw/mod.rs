@@ -8,6 +8,7 @@
 //! ```
 
 mod effect;
+mod ghost_frame;
 mod ghost_layer;
 mod imager;
 mod request;
@@ -19,7 +20,7 @@ mod sprite_layer;
 mod touched_blocks;
 
 pub use effect::{CacheFills, FlareEffect, MeshStatistics};
-pub use ghost_layer::{FlareFrame, GhostRecord};
+pub use ghost_frame::{FlareFrame, GhostRecord};
 pub use imager::{FlareImage, FlareImager, film_half_mm};
 pub use request::{FlareLight, FlareRequest};
 pub use resources::{FLARE_INPUT, GHOST_INPUT, IMAGE_INPUT};

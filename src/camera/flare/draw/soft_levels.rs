@@ -9,7 +9,7 @@
 
 use glam::DVec2;
 
-use super::ghost_layer::FlareFrame;
+use super::ghost_frame::FlareFrame;
 use super::resources::Resources;
 use super::soft_masks::IrisMasks;
 use super::soft_plan::{SoftClass, SoftPlan};
