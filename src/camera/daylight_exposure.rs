@@ -47,8 +47,8 @@ pub fn white_balance(daylight: DVec3) -> [f32; 3] {
     let followed = if warmth > 0.0 { COOLS } else { WARMS } * warmth * DVec3::new(0.5, 0.0, -0.5)
         + GREENS * greenness * DVec3::new(-1.0, 2.0, -1.0) / 3.0;
     let factors = (-followed).exp();
-    let kept = luminance(factors * light) / luminance(light);
-    (factors / kept).as_vec3().to_array()
+    let brighter = luminance(factors * light) / luminance(light);
+    (factors / brighter).as_vec3().to_array()
 }
 
 /// How much a photographer stops down who looks straight at the sun, as a factor; and the angle over which that fades, radians.

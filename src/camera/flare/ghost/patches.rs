@@ -14,8 +14,8 @@ const UNSEEN_SOFT: f64 = 0.12;
 const UNSEEN_STOP: f64 = 0.008;
 /// Height by the barrel's.
 const UNSEEN_HEIGHT: f64 = 0.01;
-/// Most of either of a ghost however small.
-const MOST_UNSEEN: f64 = 0.1;
+/// Largest of either, of a ghost however small.
+const MAX_UNSEEN: f64 = 0.1;
 /// Least patches along an edge.
 const MIN_PATCHES: f64 = 3.0;
 
@@ -45,7 +45,7 @@ pub fn rays_needed(
     let [low, high] = lands.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], at| {
         [low.min(at), high.max(at)]
     });
-    let unseen_radii = (2.0 * unseen_mm / (high - low).max_element().max(1e-9)).min(MOST_UNSEEN);
+    let unseen_radii = (2.0 * unseen_mm / (high - low).max_element().max(1e-9)).min(MAX_UNSEEN);
     // Between two rays a distance h apart, a straight line is off by an eighth of the second difference at h.
     let unseen = 8.0
         * DVec2::new(
