@@ -2,7 +2,7 @@
 // where its ray meets the lens barrel (KR 10-1465658; Lee & Eisemann 2013, section 4).
 
 struct FlareFrame {
-    // Half what the target shows of the sensor, and its centre, millimetres.
+    // Half what the viewport shows of the sensor, and its centre, millimetres.
     half_mm: vec2<f32>,
     centre_mm: vec2<f32>,
     // Of the visible part of the light: vertices are for 1.

@@ -71,6 +71,18 @@ impl Target {
         })
     }
 
+    /// Its size, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        let size = self.texture.size();
+        [size.width, size.height]
+    }
+
+    /// Gives a pass onto this target its usual viewport back.
+    pub fn show_whole(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let [width, height] = self.size().map(|side| side as f32);
+        pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+    }
+
     /// The first of several attachments clears, the others draw over; `is_begun` remembers.
     pub fn begun(&self, is_begun: &mut bool) -> Option<wgpu::RenderPassColorAttachment<'_>> {
         if std::mem::replace(is_begun, true) {

@@ -170,7 +170,7 @@ impl FlareEffect {
         if !self.is_lit {
             return;
         }
-        self.ghosts.draw_sharp(&mut pass);
+        self.ghosts.draw_sharp(&mut pass, target);
         pass.set_pipeline(&self.sprites);
         let images = self.images.iter().map(|(_, sprite)| sprite);
         let starburst = self.starburst.iter().flat_map(|starburst| &starburst.sprites);

@@ -13,6 +13,16 @@ pub struct FlareFrame {
     pub padding: f32,
 }
 
+impl FlareFrame {
+    /// For a target that shows this, with a viewport so many times as large.
+    pub fn guarded(self, sides: f32) -> Self {
+        Self {
+            half_mm: self.half_mm.map(|half| half * sides),
+            ..self
+        }
+    }
+}
+
 /// A ghost's attributes in `shaders/camera/ghost.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]

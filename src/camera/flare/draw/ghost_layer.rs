@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::ghost_frame::{FlareFrame, GhostRecord};
+use super::guard_band::{guard_sides, set_guard_band};
 use super::resources::{Blending, Resources};
 use super::soft_levels::{SoftLevels, SoftPipelines, SoftTask};
 use super::soft_masks::{IrisMasks, MIN_SOFTNESS};
@@ -119,7 +120,7 @@ impl GhostLayer {
         if self.frame == Some(frame) && is_planned {
             return false;
         }
-        self.uniform.write(gpu, &frame);
+        self.uniform.write(gpu, &frame.guarded(guard_sides(size)));
         levels.set_frame(gpu, &frame);
         self.frame = Some(frame);
         if !is_planned {
@@ -188,12 +189,13 @@ impl GhostLayer {
         levels.encode(encoder, task, draw, begin)
     }
 
-    /// Draws the ghosts that need the image's own pixels, and those that lie over others.
-    pub fn draw_sharp(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// Draws the ghosts that need the image's own pixels, and those that lie over others, in a pass onto `image`.
+    pub fn draw_sharp(&self, pass: &mut wgpu::RenderPass<'_>, image: &Target) {
         let (Some((_, group)), Some(records)) = (&self.iris, &self.records) else {
             return;
         };
         pass.set_bind_group(0, group, &[]);
+        set_guard_band(pass, image, guard_sides(image.size()));
         if let Some((_, plan)) = &self.plan {
             self.draw_ghosts(pass, &plan.in_iris[0]);
         }
@@ -202,6 +204,7 @@ impl GhostLayer {
             pass.set_pipeline(pipeline);
             self.draw_vertices(pass, range, 0);
         }
+        image.show_whole(pass);
     }
 
     /// Draws ghosts by their numbers; their group is set.

@@ -10,6 +10,7 @@
 mod effect;
 mod ghost_frame;
 mod ghost_layer;
+mod guard_band;
 mod imager;
 mod request;
 mod resources;

@@ -10,6 +10,7 @@
 use glam::DVec2;
 
 use super::ghost_frame::FlareFrame;
+use super::guard_band::{guard_sides, set_guard_band};
 use super::resources::Resources;
 use super::soft_masks::IrisMasks;
 use super::soft_plan::{SoftClass, SoftPlan};
@@ -134,14 +135,14 @@ impl SoftLevels {
                 (0.5 * extent_px[axis] * mm_per_px, centre_px * mm_per_px - half_mm)
             };
             let ((half_x, x), (half_y, down)) = (part(0), part(1));
-            level.frame.write(
-                gpu,
-                &FlareFrame {
-                    half_mm: [half_x as f32, half_y as f32],
-                    centre_mm: [x as f32, -down as f32],
-                    ..*frame
-                },
-            );
+            let shown = FlareFrame {
+                half_mm: [half_x as f32, half_y as f32],
+                centre_mm: [x as f32, -down as f32],
+                ..*frame
+            };
+            level
+                .frame
+                .write(gpu, &shown.guarded(guard_sides(level.ghosts.size())));
         }
     }
 
@@ -178,6 +179,7 @@ impl SoftLevels {
                 let attachment = onto.begun(&mut is_drawn[index]);
                 pass_on(encoder, attachment, &|pass| {
                     pass.set_bind_group(0, &level.frame_input, &[]);
+                    set_guard_band(pass, onto, guard_sides(level.ghosts.size()));
                     draw(pass, in_iris);
                 });
             }
@@ -185,6 +187,7 @@ impl SoftLevels {
             for class in plan.on_sensor.iter().filter(of_level) {
                 pass_on(encoder, level.ghosts.cleared(wgpu::Color::TRANSPARENT), &|pass| {
                     pass.set_bind_group(0, &level.frame_input, &[]);
+                    set_guard_band(pass, &level.ghosts, guard_sides(level.ghosts.size()));
                     draw(pass, &class.ghosts);
                 });
                 let (origin, margin, input) = match &level.resampled {
