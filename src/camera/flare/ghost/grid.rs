@@ -26,6 +26,8 @@ pub struct RayGrid {
 pub const CLOSER_LOOKS: usize = 2;
 /// Rays of a search that get through, from which on it has missed none.
 const ENOUGH_RAYS: usize = 60;
+/// The same of a search in a window, which shows where they are.
+const FEW_RAYS: usize = 6;
 /// By how much rays miss iris and barrel round which a search looks closer, at most by the nearest.
 const NEARLY: f64 = 1.8;
 
@@ -87,12 +89,7 @@ impl RayGrid {
             return None;
         }
         let most = NEARLY * misses().fold(f64::INFINITY, f64::min).max(1.0);
-        let cell = (self.max - self.min) / (self.size - 1) as f64;
-        let near = self.rays.iter().enumerate().filter_map(|(k, ray)| {
-            let is_near = ray.as_ref().is_some_and(|ray| miss(ray) <= most);
-            is_near.then(|| [self.entry(k) - cell, self.entry(k) + cell])
-        });
-        near.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+        self.around(|ray| miss(ray) <= most)
             .map(|[min, max]| [min.max(self.min), max.min(self.max)])
     }
 
@@ -100,22 +97,40 @@ impl RayGrid {
     /// nothing does. `max_stop` is the height in the stop up to which rays count, in radii of the iris.
     pub fn window(&self, linear: &LinearGhost, max_stop: f64) -> Option<[DVec2; 2]> {
         let all = DVec2::splat(linear.barrel_mm);
-        let cell = (self.max - self.min).max_element() / (self.size - 1) as f64;
-        let (mut min, mut max) = (linear.centre - linear.half, linear.centre + linear.half);
-        if linear.is_shut() {
-            (min, max) = (all, -all);
-        }
-        for (k, ray) in self.rays.iter().enumerate() {
-            let passes = |ray: &TracedRay| {
-                ray.relative_height <= 1.05 && ray.stop_mm.length() <= max_stop * linear.stop_mm
-            };
-            if ray.as_ref().is_some_and(passes) {
-                min = min.min(self.entry(k) - cell);
-                max = max.max(self.entry(k) + cell);
-            }
-        }
+        let pupil = [linear.centre - linear.half, linear.centre + linear.half];
+        let passing = self.around(|ray| passes(ray, linear, max_stop));
+        let [min, max] = match passing {
+            Some([min, max]) if linear.is_shut() => [min, max],
+            Some([min, max]) => [min.min(pupil[0]), max.max(pupil[1])],
+            None if linear.is_shut() => return None,
+            None => pupil,
+        };
         let (min, max) = (min.max(-all), max.min(all));
         (min.x < max.x && min.y < max.y).then_some([min, max])
+    }
+
+    /// Of a grid over a window: the part of it that gets through, with a cell round it; none where too few rays do to tell it.
+    pub fn narrower(&self, linear: &LinearGhost, max_stop: f64) -> Option<[DVec2; 2]> {
+        let through = self
+            .rays
+            .iter()
+            .flatten()
+            .filter(|ray| passes(ray, linear, max_stop));
+        if through.count() < FEW_RAYS {
+            return None;
+        }
+        let [min, max] = self.around(|ray| passes(ray, linear, NEARLY * max_stop))?;
+        Some([min.max(self.min), max.min(self.max)])
+    }
+
+    /// Least and greatest coordinates of some of the rays, with a cell round them.
+    fn around(&self, is_meant: impl Fn(&TracedRay) -> bool) -> Option<[DVec2; 2]> {
+        let cell = (self.max - self.min) / (self.size - 1) as f64;
+        let meant = self.rays.iter().enumerate().filter_map(|(k, ray)| {
+            let is_meant = ray.as_ref().is_some_and(&is_meant);
+            is_meant.then(|| [self.entry(k) - cell, self.entry(k) + cell])
+        });
+        meant.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
     /// Continues a grid straight over lost rays that have two neighbours in a line: their cells are cut, not left out.
@@ -231,6 +246,11 @@ impl RayGrid {
         }
         vertices
     }
+}
+
+/// Whether a ray gets through the barrel, or nearly, and no higher through the stop than so many radii of the iris.
+fn passes(ray: &TracedRay, linear: &LinearGhost, max_stop: f64) -> bool {
+    ray.relative_height <= 1.05 && ray.stop_mm.length() <= max_stop * linear.stop_mm
 }
 
 /// Area that three rays land on, negative where the ghost is upside down there.

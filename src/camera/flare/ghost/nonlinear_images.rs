@@ -192,12 +192,41 @@ impl Context<'_> {
                 found[k] = grid;
             }
         }
+        let max_stop =
+            |linear: &LinearGhost| MARGIN_STOP + Softness::linear(linear, &source).stop.min(MAX_SOFTNESS);
+        let mut windows: Vec<Option<[DVec2; 2]>> = found
+            .iter()
+            .zip(&linears)
+            .map(|(search, linear)| search.window(linear, max_stop(linear)))
+            .collect();
+        // Once more within the windows, which are as wide as the search is coarse. The exact mode, by which others are judged, keeps its own.
+        if self.parameters.ghosts.mode != FlareMode::Exact {
+            let (lit, within): (Vec<usize>, Vec<Bundle>) = windows
+                .iter()
+                .enumerate()
+                .filter_map(|(k, window)| {
+                    let [min, max] = (*window)?;
+                    let bundle = Bundle {
+                        min,
+                        max,
+                        ..searches[k]
+                    };
+                    Some((k, bundle))
+                })
+                .unzip();
+            let grids = tracing.grids(lens, gap, &within, SEARCH_RAYS)?;
+            for (k, grid) in lit.into_iter().zip(grids) {
+                let narrower = grid.narrower(&linears[k], max_stop(&linears[k]));
+                if narrower.is_some() {
+                    windows[k] = narrower;
+                    found[k] = grid;
+                }
+            }
+        }
         let mut images: Vec<GhostImage> = Vec::new();
         let mut jobs = Vec::new();
-        for ((&part, linear), search) in parts.iter().zip(&linears).zip(&found) {
-            let softness = Softness::linear(linear, &source);
-            let max_stop = MARGIN_STOP + softness.stop.min(MAX_SOFTNESS);
-            let Some([min, max]) = search.window(linear, max_stop) else {
+        for ((&part, search), window) in parts.iter().zip(&found).zip(windows) {
+            let Some([min, max]) = window else {
                 continue;
             };
             let softness = self.softness(part.ghost, 0.5 * (min + max));
