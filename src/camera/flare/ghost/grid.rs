@@ -89,7 +89,7 @@ impl RayGrid {
             return None;
         }
         let most = NEARLY * misses().fold(f64::INFINITY, f64::min).max(1.0);
-        self.around(|ray| miss(ray) <= most)
+        self.around(self.cell(), |ray| miss(ray) <= most)
             .map(|[min, max]| [min.max(self.min), max.min(self.max)])
     }
 
@@ -98,7 +98,9 @@ impl RayGrid {
     pub fn window(&self, linear: &LinearGhost, max_stop: f64) -> Option<[DVec2; 2]> {
         let all = DVec2::splat(linear.barrel_mm);
         let pupil = [linear.centre - linear.half, linear.centre + linear.half];
-        let passing = self.around(|ray| passes(ray, linear, max_stop));
+        let passing = self.around(DVec2::splat(self.cell().max_element()), |ray| {
+            passes(ray, linear, max_stop)
+        });
         let [min, max] = match passing {
             Some([min, max]) if linear.is_shut() => [min, max],
             Some([min, max]) => [min.min(pupil[0]), max.max(pupil[1])],
@@ -119,16 +121,20 @@ impl RayGrid {
         if through.count() < FEW_RAYS {
             return None;
         }
-        let [min, max] = self.around(|ray| passes(ray, linear, NEARLY * max_stop))?;
+        let [min, max] = self.around(self.cell(), |ray| passes(ray, linear, NEARLY * max_stop))?;
         Some([min.max(self.min), max.min(self.max)])
     }
 
-    /// Least and greatest coordinates of some of the rays, with a cell round them.
-    fn around(&self, is_meant: impl Fn(&TracedRay) -> bool) -> Option<[DVec2; 2]> {
-        let cell = (self.max - self.min) / (self.size - 1) as f64;
+    /// Size of its cells, millimetres.
+    fn cell(&self) -> DVec2 {
+        (self.max - self.min) / (self.size - 1) as f64
+    }
+
+    /// Least and greatest coordinates of some of the rays, with a margin round them.
+    fn around(&self, margin: DVec2, is_meant: impl Fn(&TracedRay) -> bool) -> Option<[DVec2; 2]> {
         let meant = self.rays.iter().enumerate().filter_map(|(k, ray)| {
             let is_meant = ray.as_ref().is_some_and(&is_meant);
-            is_meant.then(|| [self.entry(k) - cell, self.entry(k) + cell])
+            is_meant.then(|| [self.entry(k) - margin, self.entry(k) + margin])
         });
         meant.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }

@@ -142,38 +142,15 @@ fn open_triangles(vertices: &[FlareVertex], softness: &Softness) -> Vec<FlareVer
 impl FlareMesh {
     /// Adds images of ghosts, each in so many colours.
     fn add(&mut self, images: Vec<GhostImage>, colours: usize) {
-        for GhostImage {
-            softness,
-            vertices,
-            lit_mm2,
-        } in images
-        {
-            let in_iris = [softness.stop, softness.front];
-            let mut push = |vertices: Vec<FlareVertex>, radius_mm: f64, in_iris: Option<[f64; 2]>| {
-                if !vertices.is_empty() {
-                    self.ghosts.push(GhostTriangles::new(
-                        &vertices,
-                        (colours, lit_mm2),
-                        radius_mm,
-                        in_iris,
-                    ));
-                    self.added.extend(vertices);
-                }
-            };
-            let vertices = open_triangles(&vertices, &softness);
-            let is_blurred = softness.stop > MAX_SOFTNESS || softness.front > MAX_SOFTNESS;
-            let light: f64 = vertices.chunks_exact(3).map(triangle_light).sum();
-            let (folds, rest) = folded(vertices);
-            let in_folds: f64 = folds.chunks_exact(3).map(triangle_light).sum();
-            // More an image of the light than of the iris, or too unlike one.
-            let is_blurred = is_blurred || in_folds > MAX_IN_FOLDS * light;
-            let rest = if is_blurred {
-                widened(rest, WIDENED * softness.edge_mm)
-            } else {
-                rest
-            };
-            push(rest, softness.edge_mm, (!is_blurred).then_some(in_iris));
-            push(widened(folds, WIDENED * softness.fold_mm), softness.fold_mm, None);
+        let layers: Vec<Layer> = images
+            .into_par_iter()
+            .flat_map_iter(|image| layers(image, colours))
+            .collect();
+        self.added
+            .reserve(layers.iter().map(|layer| layer.vertices.len()).sum());
+        for layer in layers {
+            self.added.extend_from_slice(&layer.vertices);
+            self.ghosts.push(layer.triangles);
         }
     }
 
@@ -185,9 +162,47 @@ impl FlareMesh {
     /// Area of all triangles, also beside the film, square millimetres.
     pub fn area_mm2(&self) -> f64 {
         let parts = [&self.added, &self.masks, &self.above];
-        let triangles = parts.into_iter().flat_map(|vertices| vertices.chunks_exact(3));
+        let triangles = parts
+            .into_par_iter()
+            .flat_map(|vertices| vertices.par_chunks_exact(3));
         triangles.map(triangle_area_mm2).sum()
     }
+}
+
+/// Triangles of a ghost's image that are softened alike.
+struct Layer {
+    triangles: GhostTriangles,
+    vertices: Vec<FlareVertex>,
+}
+
+/// Those of an image in so many colours: its folds apart.
+fn layers(image: GhostImage, colours: usize) -> impl Iterator<Item = Layer> {
+    let GhostImage {
+        softness,
+        vertices,
+        lit_mm2,
+    } = image;
+    let vertices = open_triangles(&vertices, &softness);
+    let is_blurred = softness.stop > MAX_SOFTNESS || softness.front > MAX_SOFTNESS;
+    let light: f64 = vertices.chunks_exact(3).map(triangle_light).sum();
+    let (folds, rest) = folded(vertices);
+    let in_folds: f64 = folds.chunks_exact(3).map(triangle_light).sum();
+    // More an image of the light than of the iris, or too unlike one.
+    let is_blurred = is_blurred || in_folds > MAX_IN_FOLDS * light;
+    let rest = if is_blurred {
+        widened(rest, WIDENED * softness.edge_mm)
+    } else {
+        rest
+    };
+    let in_iris = (!is_blurred).then_some([softness.stop, softness.front]);
+    let folds = widened(folds, WIDENED * softness.fold_mm);
+    [(rest, softness.edge_mm, in_iris), (folds, softness.fold_mm, None)]
+        .into_iter()
+        .filter(|(vertices, ..)| !vertices.is_empty())
+        .map(move |(vertices, radius_mm, in_iris)| Layer {
+            triangles: GhostTriangles::new(&vertices, (colours, lit_mm2), radius_mm, in_iris),
+            vertices,
+        })
 }
 
 /// Fraction of a ghost's light in its folds up to which it is softened as an image of the iris.

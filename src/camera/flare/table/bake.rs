@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::knot::{COLOURS_UM, CURVE_UM, Knot, Light, SIZES, Unpacked, Values, values_of};
 use super::nearness::Nearness;
-use super::ray_table::{FlareTable, TabledGhost, between, smooth};
+use super::ray_table::{FlareTable, TabledGhost, between, smooth_grid};
 use crate::camera::flare::ghost::grid::{CLOSER_LOOKS, MARGIN_STOP, RayGrid, SEARCH_RAYS};
 use crate::camera::flare::ghost::linear::{LinearGhost, stop_radius};
 use crate::camera::flare::ghost::nonlinearity::{LINEAR_ENOUGH, nonlinearity, outer_light};
@@ -234,12 +234,12 @@ fn size_needed(
             let known: Vec<Option<Values>> =
                 grid.rays.iter().map(|ray| ray.as_ref().map(values_of)).collect();
             let between = optics[k].grid(D_LINE_UM, window, 2 * size - 1);
-            for (index, ray) in between.rays.iter().enumerate() {
-                let at = DVec2::new((index % between.size) as f64, (index / between.size) as f64) * 0.5;
+            let smoothed = smooth_grid(&known, size, between.size);
+            for (ray, smoothed) in between.rays.iter().zip(&smoothed) {
                 let truth = ray.as_ref().map(values_of);
                 if near.passes(&truth) {
                     all += 1;
-                    off += usize::from(near.off_ray(&truth, &smooth(&known, size, at), edge) > 1.0);
+                    off += usize::from(near.off_ray(&truth, smoothed, edge) > 1.0);
                 }
             }
         }

@@ -236,20 +236,16 @@ impl EvaluatedGhost {
             .collect();
         let fraction = fraction_at(&self.unpacked.curve, wavelength_um);
         let size = size.max(2);
-        let rays = (0..size * size)
-            .map(|k| {
-                let position = |index: usize| index as f64 / (size - 1) as f64 * (known - 1) as f64;
-                smooth(&coarse, known, DVec2::new(position(k % size), position(k / size))).map(|value| {
-                    TracedRay {
-                        sensor_mm: DVec2::new(value[0], value[1]),
-                        stop_mm: DVec2::new(value[2], value[3]),
-                        relative_height: value[4],
-                        relative_stop: 0.0,
-                        power: value[5] * value[5] * fraction,
-                    }
-                })
+        let ray = |value: Option<Values>| {
+            value.map(|value| TracedRay {
+                sensor_mm: DVec2::new(value[0], value[1]),
+                stop_mm: DVec2::new(value[2], value[3]),
+                relative_height: value[4],
+                relative_stop: 0.0,
+                power: value[5] * value[5] * fraction,
             })
-            .collect();
+        };
+        let rays = smooth_grid(&coarse, known, size).into_iter().map(ray).collect();
         let [min, max] = self.unpacked.window;
         RayGrid { min, max, size, rays }
     }
@@ -267,28 +263,40 @@ fn fraction_at(curve: &[f64; CURVE_UM.len()], wavelength_um: f64) -> f64 {
     (curve[index] + (curve[index + 1] - curve[index]) * along).max(0.0)
 }
 
-/// Catmull & Rom's spline (1974) through a grid's values; straight between two where the ones beyond are missing.
-pub fn smooth(grid: &[Option<Values>], size: usize, at: DVec2) -> Option<Values> {
-    let along = |at: f64, value: &dyn Fn(usize) -> Option<Values>| -> Option<Values> {
-        let index = (at.floor() as usize).min(size - 2);
-        let t = at - index as f64;
-        let (p1, p2) = (value(index)?, value(index + 1)?);
-        let beyond = |from: Values, to: Values| std::array::from_fn(|k| 2.0 * from[k] - to[k]);
-        let p0 = index
-            .checked_sub(1)
-            .and_then(value)
-            .unwrap_or_else(|| beyond(p1, p2));
-        let p3 = Some(index + 2)
-            .filter(|&k| k < size)
-            .and_then(value)
-            .unwrap_or_else(|| beyond(p2, p1));
-        Some(std::array::from_fn(|k| {
-            let (a, b, c, d) = (p0[k], p1[k], p2[k], p3[k]);
-            0.5 * (2.0 * b
-                + (c - a) * t
-                + (2.0 * a - 5.0 * b + 4.0 * c - d) * t * t
-                + (3.0 * b - a - 3.0 * c + d) * t * t * t)
-        }))
-    };
-    along(at.y, &|row| along(at.x, &|column| grid[row * size + column]))
+/// A grid's values on another of `size` x `size` over the same rectangle: Catmull & Rom's spline (1974) along the rows, then along the
+/// columns; straight between two where the ones beyond are missing.
+pub fn smooth_grid(grid: &[Option<Values>], known: usize, size: usize) -> Vec<Option<Values>> {
+    let position = |index: usize| index as f64 / (size - 1) as f64 * (known - 1) as f64;
+    let along_rows: Vec<Option<Values>> = (0..known * size)
+        .map(|k| {
+            let row = &grid[k / size * known..][..known];
+            spline(known, position(k % size), |column| row[column])
+        })
+        .collect();
+    (0..size * size)
+        .map(|k| spline(known, position(k / size), |row| along_rows[row * size + k % size]))
+        .collect()
+}
+
+/// Between the values of a line of `known` of them.
+fn spline(known: usize, at: f64, value: impl Fn(usize) -> Option<Values>) -> Option<Values> {
+    let index = (at.floor() as usize).min(known - 2);
+    let t = at - index as f64;
+    let (p1, p2) = (value(index)?, value(index + 1)?);
+    let beyond = |from: Values, to: Values| std::array::from_fn(|k| 2.0 * from[k] - to[k]);
+    let p0 = index
+        .checked_sub(1)
+        .and_then(&value)
+        .unwrap_or_else(|| beyond(p1, p2));
+    let p3 = Some(index + 2)
+        .filter(|&k| k < known)
+        .and_then(&value)
+        .unwrap_or_else(|| beyond(p2, p1));
+    Some(std::array::from_fn(|k| {
+        let (a, b, c, d) = (p0[k], p1[k], p2[k], p3[k]);
+        0.5 * (2.0 * b
+            + (c - a) * t
+            + (2.0 * a - 5.0 * b + 4.0 * c - d) * t * t
+            + (3.0 * b - a - 3.0 * c + d) * t * t * t)
+    }))
 }
