@@ -20,6 +20,8 @@ const STEPS: f64 = 6.0;
 const FAINT_STEP: f64 = 0.04;
 /// Most doublings of that.
 const MAX_FAINT: u32 = 3;
+/// The same on the sensor, where a disc needs more than a texel.
+const MAX_FAINT_DISC: u32 = 1;
 /// What all ghosts that are left out are together, by the image's white: a quarter of a step of 8 bits.
 const LEFT_OUT: f64 = 0.001;
 /// Fraction of the image that is brighter than white: more than `auto_exposure` takes, to be on the safe side.
@@ -105,8 +107,9 @@ impl SoftPlan {
             let is_in_iris = ghost.in_iris.is_some() || radius_px < SHARP_TO;
             let min_texels = if is_in_iris { IRIS_TEXELS } else { SENSOR_TEXELS };
             let mut level = doublings(radius_px / min_texels, max_level);
-            if is_in_iris && radius_px > SHARP_TO {
-                level = (level + doublings(FAINT_STEP / steps[index], MAX_FAINT)).min(max_level);
+            if radius_px > SHARP_TO {
+                let max_faint = if is_in_iris { MAX_FAINT } else { MAX_FAINT_DISC };
+                level = (level + doublings(FAINT_STEP / steps[index], max_faint)).min(max_level);
             }
             // Texels of what is softened on the sensor are half as large when it is drawn.
             let drawn_level = if is_in_iris {
