@@ -146,7 +146,7 @@ impl RayPass {
         let records: Vec<BundleRecord> = bundles
             .iter()
             .map(|bundle| {
-                let (first, count) = paths.add(lens, bundle);
+                let (first, count) = paths.of(lens, bundle);
                 BundleRecord {
                     min_mm: bundle.min.as_vec2().to_array(),
                     max_mm: bundle.max.as_vec2().to_array(),
@@ -190,9 +190,27 @@ struct Paths {
     interfaces: Vec<InterfaceRecord>,
     films: Vec<[f32; 2]>,
     terms: Vec<f32>,
+    /// Path and wavelength of the last one, with its first interface and their number.
+    last: Option<(PathKey, (u32, u32))>,
 }
 
+/// What a path of interfaces follows from.
+type PathKey = (Option<Ghost>, f64);
+
 impl Paths {
+    /// A bundle's path: the last one where it is the same; its first interface and their number.
+    fn of(&mut self, lens: &Lens, bundle: &Bundle) -> (u32, u32) {
+        let key = (bundle.ghost, bundle.wavelength_um);
+        match self.last {
+            Some((known, interfaces)) if known == key => interfaces,
+            _ => {
+                let interfaces = self.add(lens, bundle);
+                self.last = Some((key, interfaces));
+                interfaces
+            }
+        }
+    }
+
     /// Adds a bundle's path; its first interface and their number.
     fn add(&mut self, lens: &Lens, bundle: &Bundle) -> (u32, u32) {
         let indices = lens.indices(bundle.wavelength_um);

@@ -26,8 +26,6 @@ pub struct RayGrid {
 pub const CLOSER_LOOKS: usize = 2;
 /// Rays of a search that get through, from which on it has missed none.
 const ENOUGH_RAYS: usize = 60;
-/// The same of a search in a window, which shows where they are.
-const FEW_RAYS: usize = 6;
 /// By how much rays miss iris and barrel round which a search looks closer, at most by the nearest.
 const NEARLY: f64 = 1.8;
 
@@ -74,6 +72,19 @@ impl RayGrid {
         }
     }
 
+    /// Without any ray yet.
+    pub fn empty(bundle: &Bundle, size: usize) -> Self {
+        Self::new(bundle, size, vec![None; size * size])
+    }
+
+    /// Takes a block's rays over, from a column and a row on.
+    pub fn set_block(&mut self, [column, row]: [usize; 2], block: &Self) {
+        for (k, line) in block.rays.chunks_exact(block.size).enumerate() {
+            let first = (row + k) * self.size + column;
+            self.rays[first..first + block.size].copy_from_slice(line);
+        }
+    }
+
     /// Where ray `k` comes in, millimetres.
     pub fn entry(&self, k: usize) -> DVec2 {
         let fraction = DVec2::new((k % self.size) as f64, (k / self.size) as f64) / (self.size - 1) as f64;
@@ -111,18 +122,25 @@ impl RayGrid {
         (min.x < max.x && min.y < max.y).then_some([min, max])
     }
 
-    /// Of a grid over a window: the part of it that gets through, with a cell round it; none where too few rays do to tell it.
-    pub fn narrower(&self, linear: &LinearGhost, max_stop: f64) -> Option<[DVec2; 2]> {
-        let through = self
-            .rays
-            .iter()
-            .flatten()
-            .filter(|ray| passes(ray, linear, max_stop));
-        if through.count() < FEW_RAYS {
-            return None;
-        }
-        let [min, max] = self.around(self.cell(), |ray| passes(ray, linear, NEARLY * max_stop))?;
-        Some([min.max(self.min), max.min(self.max)])
+    /// Of a grid over a window: where light comes in, or nearly. Column and row of the first ray of each block of `block` x `block` rays of a
+    /// grid of `size` x `size` rays over the same window that lies there or a cell beside it.
+    pub fn lit_blocks(&self, linear: &LinearGhost, (size, block): (usize, usize)) -> Vec<[usize; 2]> {
+        let near: Vec<DVec2> = (0..self.rays.len())
+            .filter(|&k| {
+                self.rays[k].as_ref().is_some_and(|ray| {
+                    ray.relative_height <= NEARLY && ray.stop_mm.length() <= NEARLY * linear.stop_mm
+                })
+            })
+            .map(|k| DVec2::new((k % self.size) as f64, (k / self.size) as f64))
+            .collect();
+        let scale = (self.size - 1) as f64 / (size - 1) as f64;
+        let is_lit = |&[column, row]: &[usize; 2]| {
+            let first = DVec2::new(column as f64, row as f64) * scale - 1.0;
+            let last = first + (block - 1) as f64 * scale + 2.0;
+            near.iter()
+                .any(|at| at.cmpge(first).all() && at.cmple(last).all())
+        };
+        blocks(size, block).filter(is_lit).collect()
     }
 
     /// Size of its cells, millimetres.
@@ -257,6 +275,12 @@ impl RayGrid {
 /// Whether a ray gets through the barrel, or nearly, and no higher through the stop than so many radii of the iris.
 fn passes(ray: &TracedRay, linear: &LinearGhost, max_stop: f64) -> bool {
     ray.relative_height <= 1.05 && ray.stop_mm.length() <= max_stop * linear.stop_mm
+}
+
+/// Column and row of the first ray of each block of a grid of `size` x `size` rays; the last ones overlap those before where they must.
+pub fn blocks(size: usize, block: usize) -> impl Iterator<Item = [usize; 2]> {
+    let firsts = move || (0..size.div_ceil(block)).map(move |k| (k * block).min(size - block));
+    firsts().flat_map(move |row| firsts().map(move |column| [column, row]))
 }
 
 /// Area that three rays land on, negative where the ghost is upside down there.

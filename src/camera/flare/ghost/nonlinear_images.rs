@@ -4,7 +4,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::blend::{Blend, Fit, fitted};
-use super::grid::{CLOSER_LOOKS, GridDrawing, MARGIN_STOP, RayGrid, SEARCH_RAYS};
+use super::grid::{CLOSER_LOOKS, GridDrawing, MARGIN_STOP, RayGrid, SEARCH_RAYS, blocks};
 use super::linear::{LinearGhost, MAX_SOFTNESS};
 use super::parameters::{FlareMode, FlareParameters};
 use super::patches::rays_needed;
@@ -61,7 +61,43 @@ struct Job<'a> {
     part: &'a Part,
     optics: &'a Optics,
     bundle: Bundle,
+    /// Along an edge.
     rays: usize,
+    /// Column and row of the first ray of each block that is traced.
+    blocks: Vec<[usize; 2]>,
+}
+
+/// Rays along an edge of a block, at most.
+const BLOCK: usize = 10;
+
+impl Job<'_> {
+    /// Rays along an edge of its blocks.
+    fn block(&self) -> usize {
+        BLOCK.min(self.rays)
+    }
+
+    /// The bundles of its blocks.
+    fn bundles(&self) -> impl Iterator<Item = Bundle> {
+        let spacing = (self.bundle.max - self.bundle.min) / (self.rays - 1) as f64;
+        let extent = (self.block() - 1) as f64 * spacing;
+        self.blocks.iter().map(move |&[column, row]| {
+            let min = self.bundle.min + DVec2::new(column as f64, row as f64) * spacing;
+            Bundle {
+                min,
+                max: min + extent,
+                ..self.bundle
+            }
+        })
+    }
+
+    /// The whole grid, of the next traced blocks.
+    fn grid(&self, traced: &mut impl Iterator<Item = RayGrid>) -> RayGrid {
+        let mut grid = RayGrid::empty(&self.bundle, self.rays);
+        for (&first, block) in self.blocks.iter().zip(traced) {
+            grid.set_block(first, &block);
+        }
+        grid
+    }
 }
 
 /// An image of a ghost.
@@ -194,18 +230,17 @@ impl Context<'_> {
         }
         let max_stop =
             |linear: &LinearGhost| MARGIN_STOP + Softness::linear(linear, &source).stop.min(MAX_SOFTNESS);
-        let mut windows: Vec<Option<[DVec2; 2]>> = found
+        let windows: Vec<Option<[DVec2; 2]>> = found
             .iter()
             .zip(&linears)
             .map(|(search, linear)| search.window(linear, max_stop(linear)))
             .collect();
-        // Once more within the windows, which are as wide as the search is coarse. The exact mode, by which others are judged, keeps its own.
+        // Once more within the windows: most of them are dark. The exact mode, by which others are judged, takes them as they are.
+        let mut within: Vec<Option<RayGrid>> = vec![None; windows.len()];
         if self.parameters.ghosts.mode != FlareMode::Exact {
-            let (lit, within): (Vec<usize>, Vec<Bundle>) = windows
-                .iter()
-                .enumerate()
-                .filter_map(|(k, window)| {
-                    let [min, max] = (*window)?;
+            let lit: Vec<(usize, Bundle)> = (0..windows.len())
+                .filter_map(|k| {
+                    let [min, max] = windows[k]?;
                     let bundle = Bundle {
                         min,
                         max,
@@ -213,24 +248,26 @@ impl Context<'_> {
                     };
                     Some((k, bundle))
                 })
-                .unzip();
-            let grids = tracing.grids(lens, gap, &within, SEARCH_RAYS)?;
-            for (k, grid) in lit.into_iter().zip(grids) {
-                let narrower = grid.narrower(&linears[k], max_stop(&linears[k]));
-                if narrower.is_some() {
-                    windows[k] = narrower;
-                    found[k] = grid;
-                }
+                .collect();
+            let bundles: Vec<Bundle> = lit.iter().map(|(_, bundle)| *bundle).collect();
+            let grids = tracing.grids(lens, gap, &bundles, SEARCH_RAYS)?;
+            for ((k, _), grid) in lit.into_iter().zip(grids) {
+                within[k] = Some(grid);
             }
         }
         let mut images: Vec<GhostImage> = Vec::new();
         let mut jobs = Vec::new();
-        for ((&part, search), window) in parts.iter().zip(&found).zip(windows) {
-            let Some([min, max]) = window else {
+        for (k, &part) in parts.iter().enumerate() {
+            let Some([min, max]) = windows[k] else {
                 continue;
             };
             let softness = self.softness(part.ghost, 0.5 * (min + max));
-            let rays = self.rays_needed(search, [min, max], &softness, finer);
+            let rays = self.rays_needed(&found[k], [min, max], &softness, finer);
+            let block = BLOCK.min(rays);
+            let traced: Vec<[usize; 2]> = match &within[k] {
+                Some(grid) => grid.lit_blocks(&linears[k], (rays, block)),
+                None => blocks(rays, block).collect(),
+            };
             for optics in self.optics {
                 let bundle = Bundle {
                     ghost: Some(part.ghost),
@@ -245,6 +282,7 @@ impl Context<'_> {
                     optics,
                     bundle,
                     rays,
+                    blocks: traced.clone(),
                 });
             }
             images.push(GhostImage {
@@ -253,13 +291,23 @@ impl Context<'_> {
                 lit_mm2: None,
             });
         }
-        // Grids of one size are traced together.
-        jobs.sort_by_key(|job| job.rays);
-        for jobs in jobs.chunk_by(|a, b| a.rays == b.rays) {
-            let rays = jobs[0].rays;
-            for jobs in jobs.chunks((RAYS_AT_ONCE / rays.pow(2).max(1)).max(1)) {
-                let bundles: Vec<Bundle> = jobs.iter().map(|job| job.bundle).collect();
-                let grids = tracing.grids(lens, gap, &bundles, rays)?;
+        // Blocks of one size are traced together.
+        jobs.sort_by_key(Job::block);
+        for jobs in jobs.chunk_by(|a, b| a.block() == b.block()) {
+            let block = jobs[0].block();
+            let most = (RAYS_AT_ONCE / block.pow(2)).max(1);
+            let mut rest = jobs;
+            while !rest.is_empty() {
+                let mut count = 0;
+                let taken = rest.iter().take_while(|job| {
+                    count += job.blocks.len();
+                    count <= most
+                });
+                let (jobs, later) = rest.split_at(taken.count().max(1));
+                rest = later;
+                let bundles: Vec<Bundle> = jobs.iter().flat_map(Job::bundles).collect();
+                let mut traced = tracing.grids(lens, gap, &bundles, block)?.into_iter();
+                let grids: Vec<RayGrid> = jobs.iter().map(|job| job.grid(&mut traced)).collect();
                 let made: Vec<Vec<FlareVertex>> = jobs
                     .par_iter()
                     .zip(grids)
