@@ -20,16 +20,45 @@ struct Shaded {
     @location(2) id: u32,
 }
 
-// Imagery at an eye-relative position, linear; alpha 0 where there is none.
-fn imagery_at(plan: vec2<f32>, t: f32, facing: f32) -> vec4<f32> {
+// Imagery at a place.
+struct Imagery {
+    // Linear; alpha 0 where there is none.
+    colour: vec4<f32>,
+    // Its texels in a pixel: fewer than one where it is enlarged.
+    texels: f32,
+}
+
+// Imagery at an eye-relative position. `size`: of a pixel on the surface, metres.
+fn imagery_at(plan: vec2<f32>, size: f32) -> Imagery {
     let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + plan) / frame.tile_m));
     let entry = imagery_entry(tile);
-    if entry.slot < 0 { return vec4<f32>(0.0); }
+    if entry.slot < 0 { return Imagery(vec4<f32>(0.0), 1.0); }
     let tile_m = level_tile_m(entry.level);
     let uv = (plan - tile_corner(tile_over(tile, entry.level))) / tile_m;
-    let pixels = t * frame.pixel_angle * frame.imagery_side / (tile_m * sqrt(max(facing, 0.05)));
-    let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), entry.slot, log2(max(pixels, 1.0)));
-    return colour;
+    let texels = size * frame.imagery_side / tile_m;
+    let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), entry.slot, log2(max(texels, 1.0)));
+    return Imagery(colour, texels);
+}
+
+// Width of a pixel on a surface that the ray meets with the cosine `facing`, metres: between that across and that along the ray.
+fn pixel_size(pixel_m: f32, facing: f32) -> f32 { return pixel_m / sqrt(max(abs(facing), 0.05)); }
+
+// Places counted from the city's corner, so that they stay where they are and run on over the tiles.
+fn plan_of(at: vec2<f32>) -> vec2<f32> { return vec2<f32>(frame.eye_tile) * frame.tile_m + frame.eye_in_tile + at; }
+
+// Grain and blotches of ground that no survey tells: how light it is by its mean. A tile of gravel in two sizes, turned against each
+// other so that its repetition is not seen.
+const BLOTCHES: f32 = 7.0;
+// How much of it enlarged imagery gets.
+const ENLARGED_GRAIN: f32 = 0.6;
+
+fn grain(plan: vec2<f32>, size: f32) -> f32 {
+    let layer = FACADE_LAYERS + GRAVEL;
+    let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BLOTCHES;
+    let fine = tile_texel(layer, plan / ROOF_M, vec2<f32>(size) / ROOF_M).colour.g;
+    let broad = tile_texel(layer, turned / ROOF_M, vec2<f32>(size / BLOTCHES) / ROOF_M).colour.g;
+    let mean = tile_texel(layer, vec2<f32>(0.0), vec2<f32>(1.0)).colour.g;
+    return fine * broad / (mean * mean);
 }
 
 // Paper-like ground where the survey has no imagery: warm grey with contour lines, as on a plan.
@@ -39,20 +68,21 @@ const CONTOUR: vec3<f32> = vec3<f32>(0.23, 0.175, 0.12);
 const CONTOUR_M: f32 = 2.0;
 const LINE_M: f32 = 0.35;
 const LINE_PIXELS: f32 = 1.2;
+// Width of a pixel up to which no lines are drawn, metres.
+const NEAR_PIXEL_M: f32 = 0.03;
 
 // How much of a pixel contours of an interval cover. `slope`: metres a metre.
 fn contour(height: f32, interval: f32, slope: f32, pixel_m: f32) -> f32 {
     let away = abs(height - round(height / interval) * interval) / max(slope, 1.0e-3);
     let width = max(LINE_M, LINE_PIXELS * pixel_m);
-    // On level ground a contour would be an area; far away lines would merge.
+    // On level ground a contour would be an area; far away lines would merge, and who stands on the ground sees no plan.
     let spacing = interval / max(slope, 1.0e-3);
-    let fades = smoothstep(0.01, 0.04, slope) * smoothstep(4.0, 10.0, spacing / width);
+    let fades = smoothstep(0.01, 0.04, slope) * smoothstep(4.0, 10.0, spacing / width) * smoothstep(NEAR_PIXEL_M, 3.0 * NEAR_PIXEL_M, pixel_m);
     return fades * (1.0 - smoothstep(0.5 * width - 0.5 * pixel_m, 0.5 * width + 0.5 * pixel_m, away));
 }
 
-fn bare_ground(height: f32, normal: vec3<f32>, direction: vec3<f32>, pixel_m: f32) -> vec3<f32> {
+fn bare_ground(height: f32, normal: vec3<f32>, size: f32) -> vec3<f32> {
     let slope = length(normal.xy) / max(normal.z, 0.05);
-    let size = pixel_m / sqrt(max(abs(dot(direction, normal)), 0.05));
     let lines = max(
         max(0.45 * contour(height, CONTOUR_M, slope, size), 0.75 * contour(height, 5.0 * CONTOUR_M, slope, size)),
         0.75 * contour(height, 25.0 * CONTOUR_M, slope, size),
@@ -174,12 +204,10 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let facade = textureLoad(relief_facade, pixel, 0);
         let place = bitcast<vec3<f32>>(facade.xyz);
         if normal.z > 0.5 {
-            // Counted from the city's corner, so that it stays where it is and runs on over the tiles.
-            let plan = vec2<f32>(frame.eye_tile) * frame.tile_m + frame.eye_in_tile + at.xy;
-            material = roof_material(facade.w, id, plan, direction, pixel_m);
+            material = roof_material(facade.w, id, plan_of(at.xy), direction, pixel_m);
             if is_flat_roof(facade.w) { material = with_parapet(material, id, at.xy, pixel_m); }
             if hides_facades() { material = Material(PLASTER, normal, 0.0, 0.0); }
-            let seen = imagery_at(at.xy, t, abs(direction.z));
+            let seen = imagery_at(at.xy, pixel_size(pixel_m, direction.z)).colour;
             // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).
             let shows_roof = smoothstep(0.92, 0.98, seen.a);
             material.albedo = mix(material.albedo, seen.rgb, shows_roof);
@@ -193,9 +221,14 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         }
     } else {
         normal = unpack_normal(textureLoad(ground_normal, pixel, 0).x);
-        let seen = imagery_at(at.xy, t, abs(dot(direction, normal)));
-        let albedo = mix(bare_ground(at.z + frame.eye_elevation, normal, direction, pixel_m), seen.rgb, min(seen.a / 0.87, 1.0));
-        material = Material(albedo, normal, 0.0, 0.0);
+        let size = pixel_size(pixel_m, dot(direction, normal));
+        let seen = imagery_at(at.xy, size);
+        let shown = min(seen.colour.a / 0.87, 1.0);
+        let albedo = mix(bare_ground(at.z + frame.eye_elevation, normal, size), seen.colour.rgb, shown);
+        // Where the imagery tells no more.
+        let enlarged = 1.0 - smoothstep(0.25, 1.0, seen.texels);
+        let grained = mix(1.0, grain(plan_of(at.xy), size), mix(1.0, ENLARGED_GRAIN * enlarged, shown));
+        material = Material(albedo * grained, normal, 0.0, 0.0);
     }
     let random = sample_numbers(pixel, frame.sample);
     let start = lifted(at, normal, is_ground);
