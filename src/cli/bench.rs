@@ -1,6 +1,7 @@
 //! `rilievo bench`: frame times by GPU timestamps and wall clock, bytes resident, reads per ray.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -13,10 +14,12 @@ use super::pool_flags::{PoolFlags, tell_warnings};
 use super::statistics::median;
 use super::values::size;
 use crate::buildings::Building;
-use crate::camera::Camera;
+use crate::camera::flare::{Aperture, Quality};
+use crate::camera::lens::open;
+use crate::camera::{Camera, FULL_FRAME_MM, LensOptics, Optics, require_f_number};
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimes};
-use crate::output::{FrameRequest, RenderError, Renderer};
+use crate::output::{FlareSettings, FrameRequest, RenderError, Renderer};
 use crate::relief::{ReliefMode, ReliefSettings, SearchParameters, cast_buildings};
 use crate::scene::{Frustum, TerrainMesh, TileSet};
 use crate::space::Projection;
@@ -30,9 +33,12 @@ pub struct BenchArgs {
     /// Time the flares of the built-in lenses instead: each way of making ghosts, sun at 5 degrees, f/8.
     #[arg(long, conflicts_with_all = ["city", "path"])]
     flare: bool,
-    /// With --flare, this lens alone: a built-in one or a file.
-    #[arg(long, requires = "flare")]
+    /// A lens, a built-in one or a file: the city through it at f/8, with its flare; with --flare this lens alone.
+    #[arg(long)]
     lens: Option<String>,
+    /// Local time with offset, for the sun [default: a pleasant sun].
+    #[arg(long, conflicts_with = "flare")]
+    time: Option<String>,
     /// Views: a flight path, a JSON list of {"name", "eye": [E,N,H], "look": [E,N,H], "fov": degrees} [default: low, oblique and high
     /// over the centre, and the whole city from above].
     #[arg(long)]
@@ -52,6 +58,9 @@ pub struct BenchArgs {
     #[arg(long)]
     json: bool,
 }
+
+/// f-number of a lens.
+const F_NUMBER: f64 = 8.0;
 
 /// Ways of drawing that are timed.
 fn ways(slices: &[u32]) -> Vec<(ReliefMode, SearchParameters)> {
@@ -87,10 +96,27 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     let gpu = Gpu::open().map_err(RenderError::from)?;
     let mut renderer = Renderer::open(gpu, &city, args.pool.options(TerrainMesh::Tin))?;
     let buildings = renderer.load_polygons(&city)?;
-    let sun = sun(None, city.manifest().place)?;
+    let sun = sun(args.time.as_deref(), city.manifest().place)?;
+    let lens = args.lens.as_deref().map(open).transpose()?.map(Arc::new);
+    if let Some(lens) = &lens {
+        require_f_number(lens, F_NUMBER)?;
+    }
+    let preset = Quality::High.preset();
+    let flare = lens.is_some().then(|| FlareSettings {
+        aperture: Aperture::default(),
+        ghosts: Some(preset.ghosts()),
+        starburst: preset.starburst(),
+        table: None,
+    });
     let mut rows = Vec::new();
     for view in &views {
-        let camera = Camera::pinhole(view.pose(), view.fov.unwrap_or(DEFAULT_FOV_DEG).to_radians());
+        let camera = match &lens {
+            Some(lens) => Camera {
+                pose: view.pose(),
+                optics: Optics::Lens(LensOptics::new(Arc::clone(lens), F_NUMBER, FULL_FRAME_MM)),
+            },
+            None => Camera::pinhole(view.pose(), view.fov.unwrap_or(DEFAULT_FOV_DEG).to_radians()),
+        };
         let projection = camera.projection(args.size);
         let in_view = buildings_in_view(&buildings, &projection);
         let mut exact_ids = Vec::new();
@@ -104,7 +130,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
                     search,
                     ..ReliefSettings::default()
                 },
-                flare: None,
+                flare: flare.as_ref(),
                 exposure: 1.0,
             };
             let ids = renderer.still(&request, 1)?.ids;
@@ -133,6 +159,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
                 "ground_ms": pass("ground"),
                 "buildings_ms": pass("buildings"),
                 "light_ms": pass("light"),
+                "flare_ms": pass("flare"),
                 "passes_ms": median(times.iter().map(|(_, passes)| passes.iter().map(|(_, ms)| ms).sum())),
                 "wall_ms": median(times.iter().map(|(wall, _)| *wall)),
                 "reads_per_ray": is_exact.then_some(reads.mean),
@@ -167,13 +194,14 @@ fn print_table(report: &Value) {
         report["resident_bytes"]
     );
     say!(
-        "{:10} {:>8} {:11} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6} {:>8}",
+        "{:10} {:>8} {:11} {:>10} {:>13} {:>10} {:>9} {:>8} {:>14} {:>6} {:>8}",
         "view",
         "in view",
         "relief",
         "ground ms",
         "buildings ms",
         "light ms",
+        "passes ms",
         "wall ms",
         "reads per ray",
         "(p99)",
@@ -186,13 +214,14 @@ fn print_table(report: &Value) {
                 .map_or("-".to_owned(), |value| format!("{value:.1}"))
         };
         say!(
-            "{:10} {:>8} {:11} {:>10} {:>13} {:>10} {:>10} {:>14} {:>6} {:>8}",
+            "{:10} {:>8} {:11} {:>10} {:>13} {:>10} {:>9} {:>8} {:>14} {:>6} {:>8}",
             row["view"].as_str().unwrap_or(""),
             row["buildings_in_view"].as_u64().unwrap_or_default(),
             row["relief"].as_str().unwrap_or(""),
             number("ground_ms"),
             number("buildings_ms"),
             number("light_ms"),
+            number("passes_ms"),
             number("wall_ms"),
             number("reads_per_ray"),
             number("reads_per_ray_p99"),
