@@ -53,6 +53,41 @@ fn imports_of_one_city_take_turns() {
     drop(lock);
     support::succeed(&sample_import(&out));
     assert!(!folder.path().join("c.lock").exists());
+
+    // Somebody's own file of that name is not taken for a lock.
+    let own = folder.path().join("Cargo.lock");
+    fs::write(&own, "version = 4").unwrap();
+    let message = refused(&sample_import(&folder.path().join("Cargo")));
+    assert!(message.contains("Cargo.lock"), "{message}");
+    assert_eq!(fs::read_to_string(&own).unwrap(), "version = 4");
+}
+
+/// A journal that names another file, which SQLite would delete, is refused, also where an update is to be finished.
+#[test]
+fn a_journal_names_no_other_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let other = folder.path().join("precious.txt");
+    fs::write(&other, "mine").unwrap();
+    let name = other.display().to_string().into_bytes();
+    // As SQLite's `readSuperJournal` wants its end: the name, its length, the sum of its bytes, and the magic bytes.
+    let sum: u32 = name.iter().map(|&byte| u32::from(byte)).sum();
+    let mut journal = vec![0_u8; 512];
+    journal.extend(&name);
+    journal.extend((name.len() as u32).to_be_bytes());
+    journal.extend(sum.to_be_bytes());
+    journal.extend([0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7]);
+    fs::write(city.join("buildings.gpkg-journal"), journal).unwrap();
+    fs::create_dir_all(city.join("update.commit/buildings/0")).unwrap();
+    fs::write(
+        city.join("update.commit/plan.toml"),
+        "tiles = []\nbuildings = [3]\n",
+    )
+    .unwrap();
+    fs::copy(city.join("city.toml"), city.join("update.commit/city.toml")).unwrap();
+    let message = refused(&["update", city.to_str().unwrap()]);
+    assert!(message.contains("names another file"), "{message}");
+    assert!(other.exists());
 }
 
 /// Only what an import made is removed: not a folder with a manifest of somebody's own, nor a city moved to where imports stage theirs.
@@ -451,6 +486,18 @@ fn nothing_is_written_among_a_citys_files() {
         let message = refused(&arguments);
         assert!(message.contains("lies in the folder of the city"), "{message}");
     }
+    #[cfg(unix)]
+    {
+        let link = folder.path().join("link.png");
+        std::os::unix::fs::symlink(city.join("city.toml"), &link).unwrap();
+        let link = link.display().to_string();
+        let mut arguments = vec!["render", &name];
+        arguments.extend(view);
+        arguments.extend(["--out", &link]);
+        assert!(refused(&arguments).contains("lies in the folder of the city"));
+    }
+    let svg = inside("lens.svg");
+    assert!(refused(&["lens", "diagram", "tessar", "--out", &svg]).contains("city"));
     for out in ["inner", "terrain/inner"] {
         let message = refused(&sample_import(&city.join(out)));
         assert!(message.contains("lies in the folder of the city"), "{message}");
@@ -500,6 +547,11 @@ fn a_footprint_dataset_holds_its_features() {
         "ALTER TABLE buildings RENAME TO b; CREATE VIEW buildings AS
          WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT b.* FROM b, c;"
             .to_owned(),
+        "ALTER TABLE gpkg_contents RENAME TO c; CREATE VIEW gpkg_contents AS
+         WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT c.* FROM c, n;"
+            .to_owned(),
+        "ALTER TABLE buildings ADD COLUMN more AS (hex(zeroblob(300000000)));".to_owned(),
+        "CREATE TRIGGER more AFTER DELETE ON buildings BEGIN DELETE FROM buildings WHERE fid > 2; END;".to_owned(),
         virtual_table(&format!("CREATE VIRTUAL TABLE buildings USING VirtualText('{path}', 'UTF-8', 0, COMMA)")),
         virtual_table(&format!("CREATE VIRTUAL TABLE buildings USING VirtualOGR('{path}')")),
         format!(
@@ -516,7 +568,14 @@ fn a_footprint_dataset_holds_its_features() {
             .unwrap();
         let message = refused(&["update", city.to_str().unwrap()]);
         assert!(
-            message.contains("not a table") || message.contains("could read other files"),
+            [
+                "not a table",
+                "could read other files",
+                "generated, not stored",
+                "none that GeoPackages of buildings have",
+            ]
+            .iter()
+            .any(|why| message.contains(why)),
             "{message}"
         );
     }

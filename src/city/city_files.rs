@@ -80,13 +80,14 @@ pub fn is_city(folder: &Path) -> bool {
 /// The city whose folder a path lies in, whether it exists or not.
 pub fn enclosing_city(path: &Path) -> Option<PathBuf> {
     let whole = std::path::absolute(path).ok()?;
-    // Links in what exists of it lead elsewhere.
-    let folder = whole
-        .ancestors()
-        .skip(1)
-        .find_map(|folder| fs::canonicalize(folder).ok())?;
+    // Links in what exists of it lead elsewhere, it may be one itself.
+    let real = |path: &Path| fs::canonicalize(path).ok();
+    let folder = whole.ancestors().skip(1).find_map(real)?;
+    let target = real(&whole);
+    let around = target.iter().flat_map(|target| target.ancestors().skip(1));
     folder
         .ancestors()
+        .chain(around)
         .find(|folder| is_city(folder))
         .map(Path::to_owned)
 }

@@ -37,6 +37,9 @@ impl ImportLock {
                 .write(true)
                 .open(&path);
             let mut file = file.map_err(CityError::file(&path))?;
+            if !is_lock(&mut file).map_err(CityError::file(&path))? {
+                return Err(CityError::Occupied { path });
+            }
             match file.try_lock() {
                 Err(TryLockError::WouldBlock) => {
                     let mut who = String::new();
@@ -66,6 +69,14 @@ impl ImportLock {
             process: String::new(),
         })
     }
+}
+
+/// Whether a file holds what a lock holds: the number of a process, or nothing yet. Anything else is somebody's own.
+fn is_lock(file: &mut File) -> std::io::Result<bool> {
+    let mut held = Vec::new();
+    Read::by_ref(file).take(32).read_to_end(&mut held)?;
+    file.rewind()?;
+    Ok(held.len() <= 10 && held.iter().all(u8::is_ascii_digit))
 }
 
 impl Drop for ImportLock {

@@ -73,6 +73,7 @@ pub fn run(command: LensCommand) -> Result<(), CommandError> {
             ghost,
             out,
         } => {
+            super::values::require_place(&out)?;
             let lens = open(&lens)?;
             let ghost = ghost.map(|pair| ghost_of(&lens, pair)).transpose()?;
             let radians: Vec<f64> = angles.iter().map(|angle| angle.to_radians()).collect();

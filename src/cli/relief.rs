@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::CommandError;
 use super::relief_figures;
 use super::search_flags::SearchFlags;
-use super::values::require_place;
+use super::values::{require_other, require_place};
 use crate::gpu::Gpu;
 use crate::output::{RenderError, write_png};
 use crate::relief::extrusion::{
@@ -77,6 +77,15 @@ fn metres(text: &str) -> Result<f64, String> {
 /// Draws and writes.
 pub fn run(args: &ReliefArgs) -> Result<(), CommandError> {
     require_place(&args.out)?;
+    let read = [&args.texture, &args.height, &args.facade];
+    require_other(
+        &args.out,
+        &read
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect::<Vec<_>>(),
+    )?;
     let (Some(texture), Some(height)) = (&args.texture, &args.height) else {
         return relief_figures::run(args.city.as_deref(), args.size, &args.out);
     };

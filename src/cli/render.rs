@@ -87,11 +87,18 @@ fn view(args: &RenderArgs, city: &City) -> Result<FlightView, CommandError> {
 
 /// Draws and writes.
 pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
-    for path in [Some(&args.out), args.depth.as_ref(), args.ids.as_ref()]
+    let written: Vec<&PathBuf> = [Some(&args.out), args.depth.as_ref(), args.ids.as_ref()]
         .into_iter()
         .flatten()
-    {
+        .collect();
+    for (index, path) in written.iter().enumerate() {
         require_place(path)?;
+        if written[..index].contains(path) {
+            return Err(CommandError::Argument(format!(
+                "{}: is named for two pictures; give each its own file",
+                path.display()
+            )));
+        }
     }
     let kind = image_kind(&args.out)?;
     if args.intermediate.is_some() && kind != ImageKind::Display {

@@ -29,5 +29,5 @@ pub use spatial_reference::{OFFLINE, gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FieldCount, FootprintChange, FootprintDataset, FootprintDatasetEditor,
     FootprintDatasetWriter, FootprintReport, FootprintSource, Outline, PlanFeature, PlanKind, Selection,
-    TrackPoint, clean_outline, read_plan, read_track,
+    TrackPoint, clean_outline, read_plan, read_track, roll_back,
 };

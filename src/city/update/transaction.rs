@@ -19,7 +19,7 @@ use crate::city::codec::write_buildings;
 use crate::city::durable::sync;
 use crate::city::geotiff::GeoKeys;
 use crate::city::{CityError, Layer, Manifest};
-use crate::source::{FootprintDatasetEditor, FootprintSource};
+use crate::source::{FootprintDatasetEditor, FootprintSource, roll_back};
 use crate::space::{Crs, TileId};
 
 /// Folder of an update in the making.
@@ -139,8 +139,8 @@ impl<'a> Transaction<'a> {
             &dataset_path,
             (&self.footprints(), Some(self.place.crs)),
             &plan.buildings,
+            || self.place.require_dataset_unchanged(),
         )?;
-        self.place.require_dataset_unchanged()?;
         let committed = city.join(COMMITTED);
         fs::rename(&self.folder, &committed).map_err(CityError::file(&committed))?;
         sync_folder(city)?;
@@ -168,6 +168,8 @@ impl Drop for Transaction<'_> {
 /// # Errors
 /// When a file cannot be moved; the next update tries again.
 pub fn finish_interrupted(city: &Path) -> Result<(), CityError> {
+    let dataset_path = city.join("buildings.gpkg");
+    roll_back(&dataset_path)?;
     let folder = city.join(COMMITTED);
     let manifest = folder.join(MANIFEST);
     // The manifest goes last: without it all files are in their places.
@@ -178,25 +180,28 @@ pub fn finish_interrupted(city: &Path) -> Result<(), CityError> {
     let Some(plan) = plan else {
         return remove_folder(&folder);
     };
-    let dataset_path = city.join("buildings.gpkg");
     require_plain(&dataset_path)?;
-    if let Some(dataset) = changed_dataset(&dataset_path, (&folder.join(FOOTPRINTS), None), &plan.buildings)?
-    {
+    let footprints = folder.join(FOOTPRINTS);
+    if let Some(dataset) = changed_dataset(&dataset_path, (&footprints, None), &plan.buildings, || Ok(()))? {
         dataset.finish()?;
     }
     move_files(city, plan)
 }
 
-/// The dataset with an update's changes in it, not committed yet; none where it changes nothing there.
+/// The dataset with an update's changes in it, not committed yet; none where it changes nothing there. `check` is asked before the
+/// first change, when nobody else can change it any more: what is not committed may be in the file already.
 fn changed_dataset(
     path: &Path,
     (footprints, crs): (&Path, Option<&Crs>),
     deleted: &[u32],
+    check: impl FnOnce() -> Result<(), CityError>,
 ) -> Result<Option<FootprintDatasetEditor>, CityError> {
     if !footprints.exists() && deleted.is_empty() {
+        check()?;
         return Ok(None);
     }
     let mut dataset = FootprintDatasetEditor::open(path)?;
+    check()?;
     if footprints.exists() {
         require_plain(footprints)?;
         dataset.put_all(&FootprintSource::open_footprint_dataset(footprints, crs)?)?;

@@ -1,6 +1,7 @@
 //! The folder of a film's frames: files that appear whole, so that a film that was stopped goes on where it was.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::output::{OutputError, write_exr, write_png};
@@ -37,6 +38,8 @@ pub enum FramePixels<'a> {
 pub struct FrameFolder {
     folder: PathBuf,
     kind: FrameKind,
+    /// Locked as long as this lives: one film at a time is made in a folder.
+    _key: File,
 }
 
 /// What the frames are of: a film of other parameters begins anew.
@@ -55,36 +58,30 @@ impl FrameFolder {
             why,
         };
         fs::create_dir_all(folder).map_err(|why| error(folder, why.to_string()))?;
-        let mut frames = Vec::new();
-        for entry in fs::read_dir(folder)
-            .map_err(|why| error(folder, why.to_string()))?
-            .flatten()
-        {
-            let (path, name) = (entry.path(), entry.file_name());
-            let is_frame = name.to_str().is_some_and(is_frame_name);
-            if !is_frame && name != KEY_FILE {
-                return Err(error(
-                    folder,
-                    format!(
-                        "holds {}, which is no frame of a film; name an empty folder",
-                        name.display()
-                    ),
-                ));
-            }
-            if is_frame {
-                frames.push(path);
-            }
-        }
         let key_path = folder.join(KEY_FILE);
-        let known = fs::read_to_string(&key_path).ok();
-        if known.is_none() && !frames.is_empty() {
+        if !frames_in(folder)?.is_empty() && !key_path.is_file() {
             return Err(error(
                 folder,
                 format!("holds frames without {KEY_FILE}, which tells their film; name an empty folder"),
             ));
         }
-        if known.as_deref() != Some(key) {
-            for path in frames {
+        let mut options = File::options();
+        options.create(true).truncate(false).read(true).write(true);
+        let mut key_file = options
+            .open(&key_path)
+            .map_err(|why| error(&key_path, why.to_string()))?;
+        // A file system without locks: as good as it gets.
+        if let Err(TryLockError::WouldBlock) = key_file.try_lock() {
+            return Err(error(
+                folder,
+                "another film is being made there; wait for it, or name another place".to_owned(),
+            ));
+        }
+        let mut known = String::new();
+        // What is no text is no key.
+        let _ = key_file.read_to_string(&mut known);
+        if known != key {
+            for path in frames_in(folder)? {
                 fs::remove_file(&path).map_err(|why| error(&path, why.to_string()))?;
             }
             fs::write(&key_path, key).map_err(|why| error(&key_path, why.to_string()))?;
@@ -92,6 +89,7 @@ impl FrameFolder {
         Ok(Self {
             folder: folder.to_owned(),
             kind,
+            _key: key_file,
         })
     }
 
@@ -153,6 +151,33 @@ fn is_frame_name(name: &str) -> bool {
         && ["png", "exr"].contains(&ending.strip_suffix(PARTIAL).unwrap_or(ending))
 }
 
+/// The frames in a folder.
+///
+/// # Errors
+/// When it holds anything else than a film.
+fn frames_in(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    let error = |why: String| OutputError {
+        path: folder.to_owned(),
+        why,
+    };
+    let mut frames = Vec::new();
+    for entry in fs::read_dir(folder)
+        .map_err(|why| error(why.to_string()))?
+        .flatten()
+    {
+        let name = entry.file_name();
+        if name.to_str().is_some_and(is_frame_name) {
+            frames.push(entry.path());
+        } else if name != KEY_FILE {
+            return Err(error(format!(
+                "holds {}, which is no frame of a film; name an empty folder",
+                name.display()
+            )));
+        }
+    }
+    Ok(frames)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,6 +188,8 @@ mod tests {
         let open = |key: &str| FrameFolder::open(&folder, key, FrameKind::Png);
         let frames = open("a")?;
         frames.put(3, [1, 1], FramePixels::Display(&[1, 2, 3, 255]))?;
+        assert!(open("a").is_err(), "two films in one folder");
+        drop(frames);
         assert!(open("a")?.has(3));
         assert!(!open("b")?.has(3));
         fs::write(folder.join("thesis.doc"), "mine")?;

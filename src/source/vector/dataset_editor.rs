@@ -7,6 +7,7 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 
 use super::FootprintSource;
 use super::footprint_dataset::{LAYER, fix_dataset_date};
+use super::plain_geopackage::require_plain;
 use crate::source::{SourceError, gdal_failure, gdal_says};
 
 /// An open footprint dataset.
@@ -29,6 +30,7 @@ impl FootprintDatasetEditor {
             allowed_drivers: Some(&["GPKG"]),
             ..DatasetOptions::default()
         };
+        require_plain(path)?;
         let dataset =
             Dataset::open_ex(path, options).map_err(|error| write_error(path, gdal_says(&error)))?;
         // SAFETY: the dataset is open.
@@ -36,10 +38,13 @@ impl FootprintDatasetEditor {
         if status != gdal_sys::OGRErr::OGRERR_NONE {
             return Err(write_error(path, "no transaction could be begun".to_owned()));
         }
-        Ok(Self {
+        let editor = Self {
             path: path.to_owned(),
             dataset,
-        })
+        };
+        // The first read of a transaction keeps others from writing until its end.
+        editor.layer()?.feature(0);
+        Ok(editor)
     }
 
     /// Puts every feature of another dataset in, over the one of the same id where there is one: its geometry, and those of its

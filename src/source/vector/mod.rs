@@ -24,6 +24,7 @@ pub use footprint_dataset::{FootprintDataset, FootprintDatasetWriter};
 pub use footprint_lookup::FootprintChange;
 pub use footprint_source::FootprintSource;
 pub use outline::Outline;
+pub use plain_geopackage::roll_back;
 pub use plan_features::{PlanFeature, PlanKind, read_plan};
 pub use read_footprints::Selection;
 pub use report::{FieldCount, FootprintReport};

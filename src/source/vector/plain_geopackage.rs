@@ -1,12 +1,62 @@
 //! Whether a GeoPackage holds its features itself: a view can run without end, and a virtual table of a module that GDAL brings reads
 //! other files.
 
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::{Connection, OpenFlags, OptionalExtension};
 
 use super::footprint_dataset::LAYER;
 use crate::source::SourceError;
+
+/// Last bytes of a journal that names another file: the super-journal of several databases ("The Rollback Journal" of SQLite's file
+/// format). SQLite deletes that file when it rolls back; no dataset of a city has one.
+const SUPER_JOURNAL: [u8; 8] = [0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7];
+
+/// Takes back what a killed program had written of a transaction: what its journal tells.
+///
+/// # Errors
+/// When the journal names another file, or the dataset cannot be written.
+pub fn roll_back(path: &Path) -> Result<(), SourceError> {
+    let mut journal = path.as_os_str().to_owned();
+    journal.push("-journal");
+    let journal = Path::new(&journal);
+    let error = |path: &Path, why: String| SourceError::Open {
+        path: path.to_owned(),
+        why,
+        expected: "GeoPackage",
+    };
+    let Ok(data) = std::fs::symlink_metadata(journal) else {
+        return Ok(());
+    };
+    if !data.is_file() || !std::fs::symlink_metadata(path).is_ok_and(|data| data.is_file()) {
+        return Err(error(journal, "it is no journal of this dataset".to_owned()));
+    }
+    if names_other_file(journal).map_err(|why| error(journal, why.to_string()))? {
+        return Err(error(
+            journal,
+            "it is a journal that names another file; take it away".to_owned(),
+        ));
+    }
+    let rolled_back =
+        Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_WRITE).and_then(|database| {
+            database.pragma_update(None, "trusted_schema", false)?;
+            database.query_row("SELECT count(*) FROM sqlite_master", (), |_| Ok(()))
+        });
+    rolled_back.map_err(|why| error(path, why.to_string()))
+}
+
+fn names_other_file(journal: &Path) -> std::io::Result<bool> {
+    let mut file = File::open(journal)?;
+    if file.metadata()?.len() < SUPER_JOURNAL.len() as u64 {
+        return Ok(false);
+    }
+    let mut end = [0; SUPER_JOURNAL.len()];
+    file.seek(SeekFrom::End(-(SUPER_JOURNAL.len() as i64)))?;
+    file.read_exact(&mut end)?;
+    Ok(end == SUPER_JOURNAL)
+}
 
 /// Refuses a footprint dataset whose layer is no table of its own, or that has virtual tables beyond SQLite's own modules.
 ///
@@ -36,6 +86,10 @@ fn fault(path: &Path) -> rusqlite::Result<Option<String>> {
         if name.eq_ignore_ascii_case(LAYER) && kind != "table" {
             return Ok(Some(format!("its '{name}' are a {kind}, not a table")));
         }
+        // GDAL reads these before the layer.
+        if kind == "view" && name.to_ascii_lowercase().starts_with("gpkg_") {
+            return Ok(Some(format!("its '{name}' is a view, not a table")));
+        }
         let quoted = name.replace('"', "\"\"");
         if kind == "virtual" && database.prepare(&format!("SELECT * FROM \"{quoted}\"")).is_err() {
             return Ok(Some(format!(
@@ -43,5 +97,23 @@ fn fault(path: &Path) -> rusqlite::Result<Option<String>> {
             )));
         }
     }
-    Ok(None)
+    let generated = "SELECT name FROM pragma_table_xinfo(?1) WHERE hidden > 1";
+    let column = database.query_row(generated, [LAYER], |row| row.get::<_, String>(0));
+    if let Some(column) = column.optional()? {
+        return Ok(Some(format!("its column '{column}' is generated, not stored")));
+    }
+    let triggers = "SELECT name FROM sqlite_master WHERE type = 'trigger' AND lower(tbl_name) = lower(?1)";
+    let mut list = database.prepare(triggers)?;
+    let names: Vec<String> = list
+        .query_map([LAYER], |row| row.get(0))?
+        .collect::<rusqlite::Result<_>>()?;
+    let own = [
+        "rtree_",
+        "trigger_insert_feature_count_",
+        "trigger_delete_feature_count_",
+    ];
+    let other = names
+        .into_iter()
+        .find(|name| !own.iter().any(|prefix| name.starts_with(prefix)));
+    Ok(other.map(|name| format!("its trigger '{name}' is none that GeoPackages of buildings have; drop it")))
 }
