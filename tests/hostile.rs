@@ -403,6 +403,30 @@ fn every_file_of_a_source_is_known() {
             "{file:?}: {files:?}"
         );
     }
+    // A long comment first, and names of GDAL's for parts of files.
+    let commented = folder.path().join("commented.vrt");
+    fs::write(&commented, format!("<!--{}-->{}", "x".repeat(700), vrt("in.tif"))).unwrap();
+    let part = |name: String| rilievo::source::files_of(Path::new(&name));
+    for files in [
+        rilievo::source::files_of(&commented),
+        part(format!("vrt://{}?bands=1", terrain.display())),
+    ] {
+        let is_known = files.iter().any(|file| file.file_name() == terrain.file_name());
+        assert!(is_known, "{files:?}");
+    }
+    let zipped = folder.path().join("z.zip");
+    fs::write(&zipped, "PK").unwrap();
+    assert!(part(format!("/vsizip/{}/in.tif", zipped.display())).contains(&zipped));
+    // A data file beside its header.
+    let header = folder.path().join("m.ers");
+    fs::write(folder.path().join("m"), vec![0_u8; 64]).unwrap();
+    fs::write(
+        &header,
+        "DatasetHeader Begin\n\tVersion = \"6.0\"\n\tDataFile = \"m\"\n\tDataSetType = ERStorage\n\tDataType = Raster\n\tByteOrder = LSBFirst\n\tRasterInfo Begin\n\t\tCellType = IEEE4ByteReal\n\t\tNrOfLines = 4\n\t\tNrOfCellsPerLine = 4\n\t\tNrOfBands = 1\n\tRasterInfo End\nDatasetHeader End\n",
+    )
+    .unwrap();
+    let files = rilievo::source::files_of(&header);
+    assert!(files.contains(&folder.path().join("m")), "{files:?}");
     let of_terrain = rilievo::source::files_of(&terrain);
     assert!(
         of_terrain.contains(&folder.path().join("in.tif.aux.xml")),

@@ -13,17 +13,39 @@ const MAX_DEPTH: usize = 8;
 /// folder's are all in it.
 pub fn files_of(path: &Path) -> BTreeSet<PathBuf> {
     let mut files = BTreeSet::new();
-    collect(path, MAX_DEPTH, &mut files);
+    let path = underlying(path);
+    collect(&path, MAX_DEPTH, &mut files);
+    // A raster's header may lie beside it under any name; to look for one in a vector file is to read it.
+    if path.is_file() {
+        files.extend(gdal_files(&path, GdalOpenFlags::GDAL_OF_RASTER));
+    }
     files
 }
 
+/// The file on disk behind one of GDAL's names for a part of a file: `/vsizip/a.zip/b.tif` lies in `a.zip`, `vrt://a.tif?bands=1` is read
+/// from `a.tif`. Any other path is its own.
+fn underlying(path: &Path) -> PathBuf {
+    let text = path.to_string_lossy();
+    let mut name = match text.strip_prefix("vrt://") {
+        Some(rest) => rest.split('?').next().unwrap_or(rest),
+        None => &text,
+    };
+    // `/vsizip//vsigzip/...`: each prefix ends with a slash, absolute paths follow after another.
+    while let Some((_, rest)) = name.strip_prefix("/vsi").and_then(|rest| rest.split_once('/')) {
+        name = rest;
+    }
+    let inner = Path::new(name);
+    let file = inner.ancestors().find(|ancestor| ancestor.is_file());
+    file.unwrap_or(path).to_owned()
+}
+
 /// Endings of what lies beside a raster or dataset and is part of it.
-const COMPANIONS: [&str; 18] = [
+const COMPANIONS: [&str; 20] = [
     "dbf", "shx", "prj", "cpg", "qpj", "tfw", "tifw", "wld", "jgw", "jpw", "pgw", "j2w", "xml", "ovr", "msk",
-    "gfs", "xsd", "csvt",
+    "gfs", "xsd", "csvt", "hdr", "ers",
 ];
-/// Bytes of a file's head that tell whether it is a description of others.
-const HEAD: u64 = 512;
+/// Bytes of a file's head that tell whether it is a description of others: more than any comment before it.
+const HEAD: u64 = 1 << 20;
 
 fn collect(path: &Path, depth: usize, files: &mut BTreeSet<PathBuf>) {
     if depth == 0 {
@@ -51,7 +73,10 @@ fn collect(path: &Path, depth: usize, files: &mut BTreeSet<PathBuf>) {
     files.extend(companions(path));
     // Only a description names others; to open all would be to read all.
     if describes_others(path) {
-        for file in gdal_files(path) {
+        for file in gdal_files(
+            path,
+            GdalOpenFlags::GDAL_OF_RASTER | GdalOpenFlags::GDAL_OF_VECTOR,
+        ) {
             if file != path {
                 collect(&file, depth - 1, files);
             }
@@ -93,7 +118,7 @@ fn describes_others(path: &Path) -> bool {
 }
 
 /// What GDAL says that it opened; nothing for what it cannot open.
-fn gdal_files(path: &Path) -> Vec<PathBuf> {
+fn gdal_files(path: &Path, kinds: GdalOpenFlags) -> Vec<PathBuf> {
     let Ok(name) = CString::new(path.to_string_lossy().as_bytes()) else {
         return Vec::new();
     };
@@ -102,9 +127,8 @@ fn gdal_files(path: &Path) -> Vec<PathBuf> {
     // SAFETY: the name outlives the calls; the list is GDAL's until it is destroyed, and its texts are copied before.
     unsafe {
         gdal_sys::CPLPushErrorHandler(Some(gdal_sys::CPLQuietErrorHandler));
-        let flags = (GdalOpenFlags::GDAL_OF_RASTER | GdalOpenFlags::GDAL_OF_VECTOR).bits();
         let none = std::ptr::null();
-        let dataset = gdal_sys::GDALOpenEx(name.as_ptr(), flags, none, none, none);
+        let dataset = gdal_sys::GDALOpenEx(name.as_ptr(), kinds.bits(), none, none, none);
         if !dataset.is_null() {
             let list = gdal_sys::GDALGetFileList(dataset);
             let mut at = list;
