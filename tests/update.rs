@@ -464,6 +464,46 @@ fn two_updates_at_once_are_both_done() {
     }
 }
 
+/// More changes than SQLite keeps in memory before it writes them to the file: they are not taken for somebody else's edit.
+#[test]
+fn many_changes_at_once_hold() {
+    const ADDED: u64 = 20_000;
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let bounds = City::open(&city).unwrap().manifest().grid.bounds();
+    // In the middle, where all of them have ground.
+    let side = 150;
+    let step = [bounds.width(), bounds.height()].map(|extent| 0.5 * extent / side as f64);
+    let changes: Vec<Change> = (0..ADDED)
+        .map(|k| {
+            let at = [k % side, k / side];
+            let [x, y] = [0, 1].map(|axis: usize| {
+                [bounds.west, bounds.south][axis] + (0.5 * side as f64 + at[axis] as f64) * step[axis]
+            });
+            Change {
+                fid: 100_000 + k,
+                rings: vec![vec![
+                    [x, y],
+                    [x + 2.0, y],
+                    [x + 2.0, y + 2.0],
+                    [x, y + 2.0],
+                    [x, y],
+                ]],
+                height_m: 3.0,
+            }
+        })
+        .collect();
+    let path = folder.path().join("many.gpkg");
+    write_changes(&path, &changes);
+    let report = update(&[&city, &"--buildings", &path]);
+    assert_eq!(report["added"], ADDED, "{report}");
+    let now = records(&city.join("buildings.gpkg"));
+    let added = now.range(100_000..).count() as u64;
+    assert_eq!(added, ADDED);
+    let manifest = City::open(&city).unwrap().manifest().clone();
+    assert_eq!(manifest.buildings, now.len() as u64);
+}
+
 /// Attributes that the changes do not say stay, the height among them; a column of ids stands for the ids that GeoJSON does not
 /// keep.
 #[test]

@@ -120,11 +120,8 @@ fn reflectance(face: InterfaceRecord, cos_incidence: f32, wavelength_um: f32) ->
         let depth = 6.2831853 * film.x * film.y / wavelength_um * cos_film;
         let y = vec2<f32>(film.x * cos_film, film.x / cos_film);
         let fades = square <= 0.0;
-        // Half of it and of its inverse: sinh and cosh.
-        let half_exp = 0.5 * exp(min(depth, 40.0));
-        let half_inverse = 0.25 / half_exp;
-        let across = select(sin(depth), half_exp - half_inverse, fades);
-        let along = select(cos(depth), half_exp + half_inverse, fades);
+        let across = select(sin(depth), sinh(min(depth, 40.0)), fades);
+        let along = select(cos(depth), cosh(min(depth, 40.0)), fades);
         let a = select(vec2<f32>(across) / y, vec2<f32>(across / y.x, -across / y.y), fades);
         let b = select(across * y, vec2<f32>(-across * y.x, across * y.y), fades);
         let e_next = e * along + vec4<f32>(-a * h.zw, a * h.xy);

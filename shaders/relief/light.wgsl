@@ -46,12 +46,13 @@ fn pixel_size(pixel_m: f32, facing: f32) -> f32 { return pixel_m / sqrt(max(abs(
 // Places counted from the city's corner, so that they stay where they are and run on over the tiles.
 fn plan_of(at: vec2<f32>) -> vec2<f32> { return vec2<f32>(frame.eye_tile) * frame.tile_m + frame.eye_in_tile + at; }
 
-// Grain and blotches of ground that no survey tells: how light it is by its mean. A tile of gravel in two sizes, turned against each
-// other so that its repetition is not seen.
+// Blotches by the grain that they are made of.
 const BLOTCHES: f32 = 7.0;
-// How much of it enlarged imagery gets.
+// How much of both enlarged imagery gets.
 const ENLARGED_GRAIN: f32 = 0.6;
 
+// Grain and blotches of ground that no survey tells: how light it is by its mean. A tile of gravel in two sizes, turned against each
+// other so that its repetition is not seen.
 fn grain(plan: vec2<f32>, size: f32) -> f32 {
     let layer = FACADE_LAYERS + GRAVEL;
     let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BLOTCHES;

@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::CommandError;
+use super::bench_flare::F_NUMBER;
 use super::camera_flags::sun;
 use super::default_views::{DEFAULT_FOV_DEG, default_views};
 use super::path_file::read_path;
@@ -33,7 +34,7 @@ pub struct BenchArgs {
     /// Time the flares of the built-in lenses instead: each way of making ghosts, sun at 5 degrees, f/8.
     #[arg(long, conflicts_with_all = ["city", "path"])]
     flare: bool,
-    /// A lens, a built-in one or a file: the city through it at f/8, with its flare; with --flare this lens alone.
+    /// A lens, a built-in one or a file: the city through it at f/8 and its own field of view, with its flare; with --flare this lens alone.
     #[arg(long)]
     lens: Option<String>,
     /// Local time with offset, for the sun [default: a pleasant sun].
@@ -58,9 +59,6 @@ pub struct BenchArgs {
     #[arg(long)]
     json: bool,
 }
-
-/// f-number of a lens.
-const F_NUMBER: f64 = 8.0;
 
 /// Ways of drawing that are timed.
 fn ways(slices: &[u32]) -> Vec<(ReliefMode, SearchParameters)> {
@@ -101,13 +99,9 @@ pub fn run(args: &BenchArgs) -> Result<(), CommandError> {
     if let Some(lens) = &lens {
         require_f_number(lens, F_NUMBER)?;
     }
-    let preset = Quality::High.preset();
-    let flare = lens.is_some().then(|| FlareSettings {
-        aperture: Aperture::default(),
-        ghosts: Some(preset.ghosts()),
-        starburst: preset.starburst(),
-        table: None,
-    });
+    let flare = lens
+        .is_some()
+        .then(|| FlareSettings::from_preset(Quality::High.preset(), Aperture::default()));
     let mut rows = Vec::new();
     for view in &views {
         let camera = match &lens {

@@ -17,7 +17,7 @@ use crate::output::RenderError;
 use crate::space::SOLAR_ANGULAR_RADIUS;
 
 /// The f-number of all.
-const F_NUMBER: f64 = 8.0;
+pub(super) const F_NUMBER: f64 = 8.0;
 /// The light's angle from the axis and azimuth, radians.
 const ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 const AZIMUTH: f64 = 0.5;

@@ -288,3 +288,28 @@ fn signed_area(rays: [Option<TracedRay>; 3]) -> f64 {
     let [a, b, c] = rays.map(|ray| ray.map_or(DVec2::ZERO, |ray| ray.sensor_mm));
     0.5 * (b - a).perp_dot(c - a)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::blocks;
+
+    #[test]
+    fn blocks_cover_a_grid_and_no_more() {
+        for (size, block) in [(2, 2), (9, 9), (10, 10), (11, 10), (40, 10), (79, 10), (80, 10)] {
+            let mut covered = vec![false; size * size];
+            for [column, row] in blocks(size, block) {
+                assert!(
+                    column + block <= size && row + block <= size,
+                    "{size}: {column}, {row}"
+                );
+                for k in 0..block * block {
+                    covered[(row + k / block) * size + column + k % block] = true;
+                }
+            }
+            assert!(
+                covered.into_iter().all(|is_covered| is_covered),
+                "{size} by {block}"
+            );
+        }
+    }
+}

@@ -10,12 +10,12 @@
 //! sensor area|. A scene of radiance L gives the sensor π L / (4 N²) at f-number N, so that a ghost adds the radiance
 //! E · cos a · power · areas · 4 N² / π.
 
-use glam::DVec2;
 use rayon::prelude::*;
 
 use super::blend::{Blend, fractions};
-use super::coverage::Coverage;
-use super::linear::{LinearGhost, MAX_SOFTNESS, stop_radius};
+use super::ghost_triangles::{GhostTriangles, triangle_area_mm2};
+use super::layers::{Layer, layers};
+use super::linear::{LinearGhost, stop_radius};
 use super::nonlinear_images::{Context, GhostImage, Optics, Part};
 use super::nonlinearity::nonlinearity;
 use super::parameters::{FlareMode, FlareParameters, Pattern};
@@ -40,103 +40,6 @@ pub struct FlareMesh {
     pub masks: Vec<FlareVertex>,
     /// Ghosts that add to what is left.
     pub above: Vec<FlareVertex>,
-}
-
-/// Triangles of one image of a ghost.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GhostTriangles {
-    /// Number of vertices.
-    pub vertices: usize,
-    /// Radius of the disc that each of its points becomes, millimetres.
-    pub radius_mm: f64,
-    /// Where it becomes that: radii in the iris and on the front, in their own; none for on the sensor.
-    pub in_iris: Option<[f64; 2]>,
-    /// Least and greatest coordinates on the sensor, millimetres.
-    pub bounds_mm: [DVec2; 2],
-    /// Where its triangles lie, of one that is softened on the sensor.
-    pub coverage: Option<Coverage>,
-    /// Area that it covers in each colour, square millimetres: what a round iris and the barrel let through.
-    pub area_mm2: f64,
-    /// Radiance by that area, all channels: square millimetres for a light of irradiance 1.
-    pub light: f64,
-}
-
-impl GhostTriangles {
-    fn new(
-        vertices: &[FlareVertex],
-        (colours, lit_mm2): (usize, Option<f64>),
-        radius_mm: f64,
-        in_iris: Option<[f64; 2]>,
-    ) -> Self {
-        let at = |vertex: &FlareVertex| glam::Vec2::from_array(vertex.sensor_mm).as_dvec2();
-        let empty = [DVec2::INFINITY, DVec2::NEG_INFINITY];
-        let (mut area_mm2, mut light) = (0.0, 0.0);
-        for triangle in vertices.chunks_exact(3) {
-            let whole = triangle_area_mm2(triangle);
-            let lit = match lit_mm2 {
-                // Quads are two triangles.
-                Some(lit_mm2) => 0.5 * lit_mm2,
-                None if is_lit(triangle) => whole,
-                None => 0.0,
-            };
-            area_mm2 += lit / colours as f64;
-            light += triangle_light(triangle) * lit / whole.max(1e-12);
-        }
-        let bounds_mm = vertices
-            .iter()
-            .map(at)
-            .fold(empty, |[min, max], at| [min.min(at), max.max(at)]);
-        Self {
-            vertices: vertices.len(),
-            radius_mm,
-            in_iris,
-            bounds_mm,
-            coverage: in_iris.is_none().then(|| Coverage::new(vertices, bounds_mm)),
-            area_mm2,
-            light,
-        }
-    }
-}
-
-/// Whether iris and barrel let the centre of a triangle through.
-fn is_lit(triangle: &[FlareVertex]) -> bool {
-    let centre = |of: fn(&FlareVertex) -> [f32; 2]| {
-        let sum: glam::Vec2 = triangle
-            .iter()
-            .map(|vertex| glam::Vec2::from_array(of(vertex)))
-            .sum();
-        sum / 3.0
-    };
-    centre(|vertex| vertex.stop).length() <= 1.0 && centre(|vertex| vertex.barrel).length() <= 1.0
-}
-
-/// How far beyond the edges of iris and barrel, in their radii, light still falls on a pixel: more than one pixel holds.
-const EDGE: f64 = 0.05;
-
-/// Triangles of which iris and barrel, softened as they are, let something through.
-fn open_triangles(vertices: &[FlareVertex], softness: &Softness) -> Vec<FlareVertex> {
-    let is_reached = |triangle: &[FlareVertex], of: fn(&FlareVertex) -> [f32; 2], softness: f64| {
-        let corners = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(of(&triangle[k])).as_dvec2());
-        let reach = 1.0 + softness.min(MAX_SOFTNESS) + EDGE;
-        // Written so that what is no number is drawn.
-        let is_beside = (0..3).any(|k| {
-            let (a, b, c) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-            let normal = (b - a).perp().normalize_or_zero();
-            let [edge, other] = [normal.dot(a), normal.dot(c)];
-            // The centre lies beyond an edge, farther than it reaches.
-            (edge > reach && other > edge) || (edge < -reach && other < edge)
-        });
-        !is_beside
-    };
-    let is_open = |triangle: &&[FlareVertex]| {
-        is_reached(triangle, |vertex| vertex.stop, softness.stop)
-            && is_reached(triangle, |vertex| vertex.barrel, softness.front)
-    };
-    vertices
-        .chunks_exact(3)
-        .filter(is_open)
-        .collect::<Vec<_>>()
-        .concat()
 }
 
 impl FlareMesh {
@@ -167,108 +70,6 @@ impl FlareMesh {
             .flat_map(|vertices| vertices.par_chunks_exact(3));
         triangles.map(triangle_area_mm2).sum()
     }
-}
-
-/// Triangles of a ghost's image that are softened alike.
-struct Layer {
-    triangles: GhostTriangles,
-    vertices: Vec<FlareVertex>,
-}
-
-/// Those of an image in so many colours: its folds apart.
-fn layers(image: GhostImage, colours: usize) -> impl Iterator<Item = Layer> {
-    let GhostImage {
-        softness,
-        vertices,
-        lit_mm2,
-    } = image;
-    let vertices = open_triangles(&vertices, &softness);
-    let is_blurred = softness.stop > MAX_SOFTNESS || softness.front > MAX_SOFTNESS;
-    let light: f64 = vertices.chunks_exact(3).map(triangle_light).sum();
-    let (folds, rest) = folded(vertices);
-    let in_folds: f64 = folds.chunks_exact(3).map(triangle_light).sum();
-    // More an image of the light than of the iris, or too unlike one.
-    let is_blurred = is_blurred || in_folds > MAX_IN_FOLDS * light;
-    let rest = if is_blurred {
-        widened(rest, WIDENED * softness.edge_mm)
-    } else {
-        rest
-    };
-    let in_iris = (!is_blurred).then_some([softness.stop, softness.front]);
-    let folds = widened(folds, WIDENED * softness.fold_mm);
-    [(rest, softness.edge_mm, in_iris), (folds, softness.fold_mm, None)]
-        .into_iter()
-        .filter(|(vertices, ..)| !vertices.is_empty())
-        .map(move |(vertices, radius_mm, in_iris)| Layer {
-            triangles: GhostTriangles::new(&vertices, (colours, lit_mm2), radius_mm, in_iris),
-            vertices,
-        })
-}
-
-/// Fraction of a ghost's light in its folds up to which it is softened as an image of the iris.
-const MAX_IN_FOLDS: f64 = 0.12;
-
-/// Radiance of a ghost's folds, at least, by its mean.
-const FOLD_RADIANCE: f64 = 4.0;
-
-/// Triangles of a ghost that are much brighter than its mean, and the others.
-fn folded(vertices: Vec<FlareVertex>) -> (Vec<FlareVertex>, Vec<FlareVertex>) {
-    let triangles = || vertices.chunks_exact(3);
-    let area: f64 = triangles().map(triangle_area_mm2).sum();
-    let bright = FOLD_RADIANCE * triangles().map(triangle_light).sum::<f64>() / area;
-    let (folds, rest): (Vec<&[FlareVertex]>, Vec<&[FlareVertex]>) =
-        triangles().partition(|triangle| triangle_light(triangle) > bright * triangle_area_mm2(triangle));
-    (folds.concat(), rest.concat())
-}
-
-/// Least width of the triangles that are softened on the sensor, by the radius: a texel of those that they are drawn on.
-const WIDENED: f64 = 0.2;
-
-/// Triangles no narrower than `min_mm`, each with the light that it had: folds lay much light on slivers that fall between texels.
-fn widened(mut vertices: Vec<FlareVertex>, min_mm: f64) -> Vec<FlareVertex> {
-    for triangle in vertices.chunks_exact_mut(3) {
-        let at = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(triangle[k].sensor_mm).as_dvec2());
-        let edges = [at[1] - at[0], at[2] - at[1], at[0] - at[2]];
-        let longest = edges.into_iter().fold(DVec2::ZERO, |longest, edge| {
-            if edge.length() > longest.length() {
-                edge
-            } else {
-                longest
-            }
-        });
-        let area = 0.5 * edges[0].perp_dot(edges[1]).abs();
-        let height = 2.0 * area / longest.length().max(1e-12);
-        if height >= min_mm || area == 0.0 {
-            continue;
-        }
-        let along = longest.normalize_or(DVec2::X);
-        let scale = DVec2::new((min_mm / longest.length()).max(1.0), min_mm / height);
-        let centre = (at[0] + at[1] + at[2]) / 3.0;
-        for (vertex, at) in triangle.iter_mut().zip(at) {
-            let from_centre = DVec2::new(along.x, -along.y).rotate(at - centre) * scale;
-            vertex.sensor_mm = (centre + along.rotate(from_centre)).as_vec2().to_array();
-            vertex.radiance = vertex
-                .radiance
-                .map(|channel| channel / (scale.x * scale.y) as f32);
-        }
-    }
-    vertices
-}
-
-/// Radiance of a triangle, all channels, by its area.
-fn triangle_light(triangle: &[FlareVertex]) -> f64 {
-    let radiance = triangle
-        .iter()
-        .flat_map(|vertex| vertex.radiance)
-        .map(f64::from)
-        .sum::<f64>()
-        / 3.0;
-    radiance * triangle_area_mm2(triangle)
-}
-
-fn triangle_area_mm2(triangle: &[FlareVertex]) -> f64 {
-    let [a, b, c] = [0, 1, 2].map(|k: usize| glam::Vec2::from_array(triangle[k].sensor_mm).as_dvec2());
-    0.5 * (b - a).perp_dot(c - a).abs()
 }
 
 /// Triangles of a flare.

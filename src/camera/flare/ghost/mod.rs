@@ -3,13 +3,15 @@
 //! ```text
 //! lens, light ─▶ mesh: which image of which ghost (nonlinearity, blend)
 //!                 ├▶ linear ─▶ quad ────────────────────────┐
-//!                 └▶ tracing (CPU | GPU) or table ─▶ grid ──┴▶ vertices
+//!                 └▶ tracing (CPU | GPU) or table ─▶ grid ──┴▶ vertices ─▶ layers (by how they are softened)
 //! ```
 
 mod area;
 mod blend;
 mod coverage;
+mod ghost_triangles;
 pub(super) mod grid;
+mod layers;
 pub(super) mod linear;
 mod mesh;
 mod nonlinear_images;
@@ -24,8 +26,9 @@ mod vertex;
 pub use area::area_on_film;
 pub use blend::{Blend, Fit};
 pub use coverage::Coverage;
+pub use ghost_triangles::GhostTriangles;
 pub use linear::MAX_SOFTNESS;
-pub use mesh::{FlareMesh, GhostTriangles, flare_mesh};
+pub use mesh::{FlareMesh, flare_mesh};
 pub use nonlinearity::nonlinearity;
 pub use parameters::{FlareMode, FlareParameters, GhostParameters, Pattern};
 pub use tracing::{Tracing, TracingDevice};
