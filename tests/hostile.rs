@@ -575,7 +575,8 @@ fn a_footprint_dataset_holds_its_features() {
          WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT c.* FROM c, n;"
             .to_owned(),
         "ALTER TABLE buildings ADD COLUMN more AS (hex(zeroblob(300000000)));".to_owned(),
-        "CREATE TRIGGER more AFTER DELETE ON buildings BEGIN DELETE FROM buildings WHERE fid > 2; END;".to_owned(),
+        "CREATE TRIGGER rtree_more AFTER DELETE ON buildings BEGIN DELETE FROM buildings WHERE fid > 2; END;".to_owned(),
+        "CREATE TRIGGER more AFTER UPDATE ON gpkg_ogr_contents BEGIN DELETE FROM buildings; END;".to_owned(),
         virtual_table(&format!("CREATE VIRTUAL TABLE buildings USING VirtualText('{path}', 'UTF-8', 0, COMMA)")),
         virtual_table(&format!("CREATE VIRTUAL TABLE buildings USING VirtualOGR('{path}')")),
         format!(
@@ -596,7 +597,7 @@ fn a_footprint_dataset_holds_its_features() {
                 "not a table",
                 "could read other files",
                 "generated, not stored",
-                "none that GeoPackages of buildings have",
+                "more than keep index and count",
             ]
             .iter()
             .any(|why| message.contains(why)),

@@ -69,15 +69,31 @@ fn numbers(text: &str, separator: char) -> Option<Vec<f64>> {
 
 /// Fails before a file that was to be read is written over.
 pub fn require_other(path: &Path, read: &[&Path]) -> Result<(), CommandError> {
-    let real = |path: &Path| std::fs::canonicalize(path).ok();
-    let is_same = real(path).is_some_and(|path| read.iter().any(|read| real(read).as_deref() == Some(&path)));
-    match is_same {
+    match read.iter().any(|read| is_same_file(path, read)) {
         false => Ok(()),
         true => Err(CommandError::File {
             path: path.display().to_string(),
             why: "is read, and would be written over; give another --out".to_owned(),
         }),
     }
+}
+
+/// Whether two paths are one file, through links of either kind; of files that do not exist yet, whether they are spelt alike.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let node = |path: &Path| std::fs::metadata(path).ok().map(|data| (data.dev(), data.ino()));
+        if let Some(node_a) = node(a) {
+            return node(b) == Some(node_a);
+        }
+    }
+    let real = |path: &Path| {
+        std::fs::canonicalize(path)
+            .or_else(|_| std::path::absolute(path))
+            .ok()
+    };
+    real(a).is_some_and(|a| real(b) == Some(a))
 }
 
 /// Fails when a file would lie among those of a city.

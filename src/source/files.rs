@@ -44,8 +44,10 @@ const COMPANIONS: [&str; 20] = [
     "dbf", "shx", "prj", "cpg", "qpj", "tfw", "tifw", "wld", "jgw", "jpw", "pgw", "j2w", "xml", "ovr", "msk",
     "gfs", "xsd", "csvt", "hdr", "ers",
 ];
-/// Bytes of a file's head that tell whether it is a description of others: more than any comment before it.
-const HEAD: u64 = 1 << 20;
+/// Bytes of a file's head that tell whether it is a text.
+const HEAD: u64 = 512;
+/// Bytes of a text that tell whether it is a description of others: more than any comment before it.
+const TEXT_HEAD: u64 = 1 << 20;
 
 fn collect(path: &Path, depth: usize, files: &mut BTreeSet<PathBuf>) {
     if depth == 0 {
@@ -109,7 +111,14 @@ fn companions(path: &Path) -> impl Iterator<Item = PathBuf> + use<> {
 fn describes_others(path: &Path) -> bool {
     use std::io::Read;
     let mut head = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+    let read = std::fs::File::open(path).and_then(|mut file| {
+        Read::by_ref(&mut file).take(HEAD).read_to_end(&mut head)?;
+        // A text has no byte 0.
+        match head.contains(&0) {
+            true => Ok(0),
+            false => file.take(TEXT_HEAD).read_to_end(&mut head),
+        }
+    });
     let text = String::from_utf8_lossy(&head);
     read.is_ok()
         && ["VRTDataset", "VRTDataSource", "VRTTI"]

@@ -11,6 +11,7 @@ mod footprint_source;
 mod heights;
 mod known_fields;
 mod outline;
+mod own_triggers;
 mod plain_geopackage;
 mod plan_features;
 mod read_footprints;

@@ -8,6 +8,7 @@ use std::path::Path;
 use rusqlite::{Connection, OpenFlags, OptionalExtension};
 
 use super::footprint_dataset::LAYER;
+use super::own_triggers::{is_own_trigger, is_reachable};
 use crate::source::SourceError;
 
 /// Last bytes of a journal that names another file: the super-journal of several databases ("The Rollback Journal" of SQLite's file
@@ -102,18 +103,13 @@ fn fault(path: &Path) -> rusqlite::Result<Option<String>> {
     if let Some(column) = column.optional()? {
         return Ok(Some(format!("its column '{column}' is generated, not stored")));
     }
-    let triggers = "SELECT name FROM sqlite_master WHERE type = 'trigger' AND lower(tbl_name) = lower(?1)";
-    let mut list = database.prepare(triggers)?;
-    let names: Vec<String> = list
-        .query_map([LAYER], |row| row.get(0))?
+    let mut list =
+        database.prepare("SELECT name, tbl_name, sql FROM sqlite_master WHERE type = 'trigger'")?;
+    let triggers: Vec<[String; 3]> = list
+        .query_map((), |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?]))?
         .collect::<rusqlite::Result<_>>()?;
-    let own = [
-        "rtree_",
-        "trigger_insert_feature_count_",
-        "trigger_delete_feature_count_",
-    ];
-    let other = names
+    let other = triggers
         .into_iter()
-        .find(|name| !own.iter().any(|prefix| name.starts_with(prefix)));
-    Ok(other.map(|name| format!("its trigger '{name}' is none that GeoPackages of buildings have; drop it")))
+        .find(|[_, table, sql]| is_reachable(table, LAYER) && !is_own_trigger(sql, LAYER));
+    Ok(other.map(|[name, ..]| format!("its trigger '{name}' does more than keep index and count; drop it")))
 }
