@@ -48,6 +48,8 @@ fn plan_of(at: vec2<f32>) -> vec2<f32> { return vec2<f32>(frame.eye_tile) * fram
 
 // Blotches by the grain that they are made of.
 const BLOTCHES: f32 = 7.0;
+// Widths of a pixel between which both fade, metres: from farther away their repetition would be seen.
+const GRAIN_TO_M: vec2<f32> = vec2<f32>(0.08, 0.3);
 // How much of both enlarged imagery gets.
 const ENLARGED_GRAIN: f32 = 0.6;
 
@@ -59,7 +61,7 @@ fn grain(plan: vec2<f32>, size: f32) -> f32 {
     let fine = tile_texel(layer, plan / ROOF_M, vec2<f32>(size) / ROOF_M).colour.g;
     let broad = tile_texel(layer, turned / ROOF_M, vec2<f32>(size / BLOTCHES) / ROOF_M).colour.g;
     let mean = tile_texel(layer, vec2<f32>(0.0), vec2<f32>(1.0)).colour.g;
-    return fine * broad / (mean * mean);
+    return mix(fine * broad / (mean * mean), 1.0, smoothstep(GRAIN_TO_M.x, GRAIN_TO_M.y, size));
 }
 
 // Paper-like ground where the survey has no imagery: warm grey with contour lines, as on a plan.
