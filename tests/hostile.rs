@@ -6,20 +6,7 @@ mod support;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use support::{copied, import_arguments, rilievo, sample, walk};
-
-/// Runs the program and requires that it refuses in one line; gives the line.
-fn refused<S: AsRef<std::ffi::OsStr> + std::fmt::Debug>(arguments: &[S]) -> String {
-    let output = rilievo(arguments);
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
-    let lines: Vec<&str> = errors
-        .lines()
-        .filter(|line| line.starts_with("rilievo: "))
-        .collect();
-    assert_eq!(lines.len(), 1, "{arguments:?}: {errors}");
-    lines[0].to_owned()
-}
+use support::{copied, import_arguments, refused, sample, walk};
 
 fn info(city: &Path) -> String {
     refused(&["info", city.to_str().unwrap()])

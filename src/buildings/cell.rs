@@ -103,8 +103,13 @@ pub const CELL: CellFields = CellFields {
     edges_mask: 15,
     index_mask: (1 << 24) - 1,
 };
-/// Indices in a code have 24 bits.
-pub const INDEX_LIMIT: usize = CELL.index_mask as usize + 1;
+/// Fewer vertices, roofs and words than these a map has: thirty times those of the densest tile that was met, and few enough to be
+/// held. (Indices in a code have 24 bits.)
+pub const INDEX_LIMIT: usize = 1 << 21;
+/// Most codes in a texel's list: a ray through it tests them all.
+pub const MAX_LIST: usize = 1 << 10;
+/// Most words of all lists of a map: four for each texel that there can be on the densest tiles.
+pub const MAX_LIST_WORDS: usize = 1 << 20;
 
 impl CellKind {
     /// Reads a code.

@@ -7,7 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use geo::{CoordsIter, LineString};
 use thiserror::Error;
 
-use super::cell::{Full, INDEX_LIMIT};
+use super::cell::{Full, INDEX_LIMIT, MAX_LIST, MAX_LIST_WORDS};
 use super::map::{OutlineVertex, RoofRecord};
 use super::{Building, BuildingMap, CellKind, Run, facade_coordinates};
 use crate::space::Bounds;
@@ -67,8 +67,8 @@ pub fn rasterise(tile: &Bounds, side: usize, buildings: &[&Building]) -> Result<
     work.finish()
 }
 
-/// Most meetings of outlines and texels in a tile: some hundred outlines over every texel.
-const MAX_TOUCHES: usize = 1 << 25;
+/// Most meetings of outlines and texels in a tile: some twenty outlines over every texel.
+const MAX_TOUCHES: usize = 1 << 22;
 
 /// Of buildings with the same outline the highest, of equally high ones the first: the others are hidden in it.
 fn without_hidden<'a>(buildings: &[&'a Building]) -> Vec<&'a Building> {
@@ -291,7 +291,7 @@ impl Work {
                 [code] => *code,
                 codes => {
                     let offset = lists.len();
-                    if offset + codes.len() >= INDEX_LIMIT {
+                    if codes.len() > MAX_LIST || offset + codes.len() >= MAX_LIST_WORDS {
                         return Err(MapTooLarge);
                     }
                     lists.push(codes.len() as u32);

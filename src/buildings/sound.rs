@@ -1,15 +1,12 @@
 //! Whether a building map from a file may go to a shader.
 
 use super::BuildingMap;
-use super::cell::CellKind;
+use super::cell::{CellKind, MAX_LIST, MAX_LIST_WORDS};
 use super::map::{TEXEL_EMPTY, TEXEL_MAIN, TEXEL_OWN, TEXELS};
 use crate::material::BuildingMaterial;
 
 /// Farther from sea level than any ground or roof that an import lets in, metres.
 const MAX_ELEVATION_M: f32 = 100_000.0;
-
-/// Most codes in a texel's list.
-const MAX_LIST: usize = 1 << 16;
 
 impl BuildingMap {
     /// True when every index in the map points inside it: a damaged tile must not reach the shader.
@@ -79,7 +76,7 @@ impl BuildingMap {
     /// Whether the lists that cells name are together no longer than the words: each is named once. Many cells that name one long list
     /// would cost a reader and a ray their product.
     fn has_lists_of_its_size(&self) -> bool {
-        let mut left = self.words.len();
+        let mut left = self.words.len().min(MAX_LIST_WORDS);
         for (_, codes) in self.occupied_blocks() {
             for &code in &codes {
                 let CellKind::List(place) = CellKind::from_code(code) else {

@@ -180,6 +180,11 @@ fn is_part(entry: &fs::DirEntry, is_name: impl Fn(&str) -> bool) -> bool {
 
 /// Whether a file is called like a tile: `X_Y.tif`.
 pub fn is_tile_name(name: &str) -> bool {
-    let parts = name.strip_suffix(".tif").and_then(|name| name.split_once('_'));
-    parts.is_some_and(|(x, y)| x.parse::<u32>().is_ok() && y.parse::<u32>().is_ok())
+    tile_place(name).is_some()
+}
+
+/// Column and row of a tile by its file's name.
+pub fn tile_place(name: &str) -> Option<[u32; 2]> {
+    let (x, y) = name.strip_suffix(".tif")?.split_once('_')?;
+    Some([x.parse().ok()?, y.parse().ok()?])
 }

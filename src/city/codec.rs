@@ -6,7 +6,7 @@
 //!
 //! Buildings: on level 0 first roof elevation and building id per texel (what a GIS shows). Then the words of the building map,
 //! outline vertices (x, y, bays, building; f32, the building's bits as they are), roofs (roof, base, fid and material as u32 bits; the
-//! last row has the map's highest roof and lowest ground).
+//! last row has the map's highest roof and lowest ground). On coarse levels the words have the tile's georeference.
 //!
 //! Imagery: one RGBA page.
 //!
@@ -20,6 +20,9 @@ use super::{CityError, ImageryTile};
 use crate::buildings::{BLOCK, BuildingMap, OutlineVertex, RoofRecord};
 use crate::space::{Bounds, TileGrid};
 use crate::terrain::{HeightTile, mesh_errors};
+
+/// Farther from sea level than any ground that an import lets in, metres. Not a number is no ground.
+const MAX_ELEVATION_M: f32 = 100_000.0;
 
 /// Ground of one tile: heights and the meshes that carry them.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,6 +100,9 @@ fn heights_of(reader: &mut PageReader, path: &Path, lattice: Lattice) -> Result<
     if heights.len() != side * side {
         return Err(damaged(path, "a page has more than one band".to_owned()));
     }
+    if heights.iter().any(|height| height.abs() > MAX_ELEVATION_M) {
+        return Err(damaged(path, "its heights are impossible".to_owned()));
+    }
     Ok(HeightTile {
         side,
         level,
@@ -161,8 +167,12 @@ pub fn write_buildings(
         0 => Vec::from(rasters(bounds, map)),
         _ => Vec::new(),
     };
+    let words = Page {
+        georeference: (level > 0).then_some([bounds.west, bounds.north, f64::from(map.texel_m)]),
+        ..table(1, padded(map.words.clone(), 1))
+    };
     pages.extend([
-        table(1, padded(map.words.clone(), 1)),
+        words,
         table(4, padded(vertices.collect(), 4)),
         table(4, records.collect()),
     ]);
@@ -222,8 +232,12 @@ pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, Cit
         reader.require_place([west, north, f64::from(texel_m as f32)])?;
         reader.skip([Some(side), Some(side)])?;
     }
-    let mut table = |columns: usize| Ok::<_, CityError>(reader.words([Some(columns), None])?.0);
-    let (mut words, vertices, roofs) = (table(1)?, table(4)?, table(4)?);
+    let mut words = reader.words([Some(1), None])?.0;
+    if level > 0 {
+        reader.require_place([west, north, f64::from(texel_m as f32)])?;
+    }
+    let mut table = || Ok::<_, CityError>(reader.words([Some(4), None])?.0);
+    let (vertices, roofs) = (table()?, table()?);
     words.pop();
     let (vertices, _) = vertices.as_chunks::<4>();
     let (roofs, _) = roofs.as_chunks::<4>();

@@ -205,6 +205,16 @@ pub enum CityError {
         /// Features read and why they became no building.
         rejected: String,
     },
+    /// A raster holds far more than a city keeps of it.
+    #[error("{}: has {:.0} million pixels under the city, {times:.0} times finer than any that is kept; make it coarser first, with gdalwarp -tr 0.25 0.25 -r average", path.display(), pixels * 1e-6)]
+    TooFine {
+        /// The file.
+        path: PathBuf,
+        /// Its pixels under the city.
+        pixels: f64,
+        /// How many of them lie along one that is kept.
+        times: f64,
+    },
     /// More tiles than a city may have.
     #[error("the city would have {tiles:.0} tiles ({extent})")]
     TooManyTiles {

@@ -136,8 +136,8 @@ where
     image.write_data(values)
 }
 
-/// Most bytes of a page, unpacked: the sixteen million outline vertices that a tile may have.
-const MAX_PAGE_BYTES: usize = 1 << 28;
+/// Most bytes of a page, unpacked: the two million outline vertices that a tile may have.
+const MAX_PAGE_BYTES: usize = 1 << 25;
 
 /// Reads pages, one after the other, checking each against what the city expects.
 pub struct PageReader<'a> {

@@ -8,7 +8,7 @@ use crate::source::{FootprintReport, HeightRule};
 use crate::space::{Accuracy, Crs, Operation, Place, TileGrid};
 
 /// Version of the folder's layout; a reader refuses others.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 
 /// The whole of `city.toml`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,6 +48,9 @@ pub struct Manifest {
     pub imagery_tiles: u64,
     /// Buildings in the footprint dataset.
     pub buildings: u64,
+    /// How often the footprint dataset's file had been changed when the city was made (SQLite file format, 1.3.7).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dataset_changes: Option<u32>,
     /// Height of buildings without one, metres.
     pub default_height_m: f64,
     /// Triangles of the terrain's TIN, all tiles.
@@ -75,11 +78,13 @@ pub struct Manifest {
 
 /// Most terrain samples and imagery pixels along a tile's side: what an import makes at most.
 const MAX_TERRAIN_SIDE: usize = 1025;
-const MAX_IMAGERY_SIDE: usize = 1024;
+pub const MAX_IMAGERY_SIDE: usize = 1024;
 /// Fewest texels along a tile's side: a group of blocks.
 const MIN_TILE_TEXELS: usize = 16;
 /// Most tiles of a city's finest level.
 pub const MAX_TILES: u64 = 1_000_000;
+/// Most updates of a city.
+pub const MAX_GENERATION: u64 = 1 << 48;
 /// Most bytes of a building map that a manifest may tell of.
 const MAX_MAP_BYTES: u64 = 1 << 42;
 
@@ -100,6 +105,14 @@ impl Manifest {
         if !manifest.is_sane() {
             return Err("city.toml: its sizes are impossible".to_owned());
         }
+        if !text
+            .parse()
+            .map(toml::Value::Table)
+            .as_ref()
+            .is_ok_and(is_printable)
+        {
+            return Err("city.toml: has control characters, which a terminal would obey".to_owned());
+        }
         if !Crs::is_plain_definition(&manifest.crs) {
             return Err("city.toml: its CRS is neither a code such as EPSG:25832 nor WKT".to_owned());
         }
@@ -118,14 +131,14 @@ impl Manifest {
             && (0.01..=1e4).contains(&self.texel_m)
             && (self.texel_m * self.tile_texels as f64 / grid.tile_m - 1.0).abs() < 1e-6
             && (self.terrain_step_m * (self.terrain_side - 1) as f64 / grid.tile_m - 1.0).abs() < 1e-6
-            && self.place.latitude_deg.is_finite()
-            && self.place.longitude_deg.is_finite()
+            && (-90.0..=90.0).contains(&self.place.latitude_deg)
+            && (-360.0..=360.0).contains(&self.place.longitude_deg)
             && (1..=MAX_TILES).contains(&tiles)
             && [self.terrain_tiles, self.building_tiles, self.imagery_tiles]
                 .iter()
                 .all(|&count| count <= tiles)
             && self.terrain_tiles > 0
-            && self.generation < i64::MAX as u64
+            && self.generation <= MAX_GENERATION
             // A city of many places and hardly a tile is none.
             && tiles <= 64 + 4096 * self.terrain_tiles
             && self.building_map_bytes <= MAX_MAP_BYTES
@@ -133,6 +146,17 @@ impl Manifest {
             && (1e-6..=1e6).contains(&self.terrain_error_m)
             && (0.0..=1e5).contains(&self.default_height_m)
             && self.levels == grid.levels()
+    }
+}
+
+/// Whether all texts of a value can be shown as they are.
+fn is_printable(value: &toml::Value) -> bool {
+    let plain = |text: &str| !text.contains(|c: char| c.is_control() && !['\n', '\t'].contains(&c));
+    match value {
+        toml::Value::String(text) => plain(text),
+        toml::Value::Array(values) => values.iter().all(is_printable),
+        toml::Value::Table(table) => table.iter().all(|(key, value)| plain(key) && is_printable(value)),
+        _ => true,
     }
 }
 

@@ -102,6 +102,25 @@ pub fn write_pictures(city: &Path, pictures: &BTreeMap<String, Vec<u8>>) -> Resu
     Ok(())
 }
 
+/// Copies the pictures of a city's folder that are not in another one's yet: the user's own, for rules to come.
+///
+/// # Errors
+/// When one cannot be copied.
+pub fn keep_pictures(from: &Path, to: &Path) -> Result<(), CityError> {
+    let [from, to] = [from, to].map(|city| city.join(PICTURES));
+    let Ok(entries) = std::fs::read_dir(&from) else {
+        return Ok(());
+    };
+    for entry in entries.flatten() {
+        let place = to.join(entry.file_name());
+        if entry.file_type().is_ok_and(|kind| kind.is_file()) && !place.exists() {
+            let copied = std::fs::create_dir_all(&to).and_then(|()| std::fs::copy(entry.path(), &place));
+            copied.map_err(CityError::file(&place))?;
+        }
+    }
+    Ok(())
+}
+
 fn tile(path: &Path, bytes: &[u8], size_m: [f64; 2]) -> Result<Canvas, CityError> {
     facade_from_picture(bytes, size_m).map_err(|why| CityError::File {
         path: path.to_owned(),

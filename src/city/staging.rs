@@ -198,6 +198,14 @@ fn refuse_foreign(folder: &Path, names: &[&str]) -> Result<(), CityError> {
     }
 }
 
+/// How often the file of a dataset was changed: its change counter (SQLite file format, 1.3.7).
+pub fn changes_of(dataset: &Path) -> Option<u32> {
+    let mut header = [0; 28];
+    open_plain(dataset).ok()?.read_exact(&mut header).ok()?;
+    let [.., a, b, c, d] = header;
+    Some(u32::from_be_bytes([a, b, c, d]))
+}
+
 /// Refuses to replace a footprint dataset that was changed after the city was made (its manifest is written last), or whose
 /// city was updated.
 fn refuse_edited(target: &Path) -> Result<(), CityError> {
@@ -205,8 +213,13 @@ fn refuse_edited(target: &Path) -> Result<(), CityError> {
     let (Ok(map), Ok(manifest)) = (changed("buildings.gpkg"), changed("city.toml")) else {
         return Ok(());
     };
-    let is_updated = City::open(target).is_ok_and(|city| city.manifest().generation > 0);
-    if map <= manifest && !is_updated {
+    // Its manifest may have been edited after it.
+    let is_changed = City::open(target).is_ok_and(|city| {
+        let made = city.manifest();
+        let changes = changes_of(&city.footprint_dataset_path());
+        made.generation > 0 || (made.dataset_changes.is_some() && made.dataset_changes != changes)
+    });
+    if map <= manifest && !is_changed {
         return Ok(());
     }
     Err(CityError::Edited {

@@ -1,9 +1,10 @@
 //! An opened city folder: finds and reads its tiles. Pure Rust, no GDAL.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::city_files::{MAX_TEXT, is_tile_name, read_plain_text, require_plain_folders};
+use super::city_files::{MAX_TEXT, read_plain_text, require_plain_folders, tile_place};
 use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
 use super::rules_file::{own_tiles, rules_from_city};
@@ -149,13 +150,50 @@ impl City {
     pub fn require_tiles(&self, layer: Layer) -> Result<(), CityError> {
         let found = self.count_tiles(layer)?;
         let expected = self.manifest.tile_count(layer);
-        if found == expected {
-            return Ok(());
+        if found != expected {
+            return Err(CityError::Tile {
+                path: self.folder.join(layer.name()),
+                why: format!("{found} tiles of {expected} are there"),
+            });
         }
-        Err(CityError::Tile {
-            path: self.folder.join(layer.name()),
-            why: format!("{found} tiles of {expected} are there"),
-        })
+        match self.missing_parent(layer)? {
+            None => Ok(()),
+            Some(tile) => Err(CityError::Tile {
+                path: layer.tile_path(&self.folder, tile),
+                why: "it is not there".to_owned(),
+            }),
+        }
+    }
+
+    /// A tile of a coarse level that is not there though one of those it stands for is.
+    fn missing_parent(&self, layer: Layer) -> Result<Option<TileId>, CityError> {
+        let is_kept = layer != Layer::Imagery || self.manifest.imagery_side > 0;
+        if self.pending.is_some() || !is_kept {
+            return Ok(None);
+        }
+        let mut below = self.tiles_of_level(layer, 0)?;
+        for level in 1..self.manifest.levels {
+            let found = self.tiles_of_level(layer, level)?;
+            let parents: BTreeSet<TileId> = below.iter().map(|tile| tile.parent()).collect();
+            if let Some(missing) = parents.into_iter().find(|parent| !found.contains(parent)) {
+                return Ok(Some(missing));
+            }
+            below = found;
+        }
+        Ok(None)
+    }
+
+    /// The tiles of a level whose files are there.
+    fn tiles_of_level(&self, layer: Layer, level: u32) -> Result<BTreeSet<TileId>, CityError> {
+        let folder = layer.level_path(&self.folder, level);
+        let mut tiles = BTreeSet::new();
+        for entry in std::fs::read_dir(&folder).map_err(CityError::file(&folder))? {
+            let entry = entry.map_err(CityError::file(&folder))?;
+            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+            let place = tile_place(&entry.file_name().to_string_lossy());
+            tiles.extend(place.filter(|_| is_file).map(|[x, y]| TileId { level, x, y }));
+        }
+        Ok(tiles)
     }
 
     /// Tiles of the finest level that have a layer.
@@ -167,15 +205,8 @@ impl City {
         if layer == Layer::Imagery && self.manifest.imagery_side == 0 {
             return Ok(0);
         }
-        let folder = layer.level_path(&self.folder, 0);
-        let mut found = 0;
         // What is there, not what might be: a grid can have many more places than tiles.
-        for entry in std::fs::read_dir(&folder).map_err(CityError::file(&folder))? {
-            let entry = entry.map_err(CityError::file(&folder))?;
-            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-            found += u64::from(is_file && is_tile_name(&entry.file_name().to_string_lossy()));
-        }
-        Ok(found)
+        Ok(self.tiles_of_level(layer, 0)?.len() as u64)
     }
 
     /// True when the tile has this layer.

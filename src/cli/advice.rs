@@ -78,7 +78,7 @@ fn for_city(error: &CityError) -> Option<String> {
             "give the file that has the footprints, or another --layer".to_owned()
         }
         CityError::Apart { .. } => {
-            "check the files' coordinate reference systems (--buildings-crs, --terrain-crs)".to_owned()
+            "check the files' coordinate reference systems (--buildings-crs, --terrain-crs), or name the city's (--crs)".to_owned()
         }
         CityError::NoBuildings { .. } => {
             "check the layer (--layer) and that it shows the same place as the terrain".to_owned()
@@ -98,6 +98,7 @@ fn for_city(error: &CityError) -> Option<String> {
         | CityError::File { .. }
         | CityError::Tile { .. }
         | CityError::NoGround { .. }
+        | CityError::TooFine { .. }
         | CityError::SourceChanged { .. }
         | CityError::EditedDataset { .. }
         | CityError::ImportedAnew { .. }

@@ -117,7 +117,7 @@ pub fn main() -> ExitCode {
 const MAX_CHARACTERS: usize = 1000;
 
 fn one_line(text: &str) -> String {
-    let line = text.replace('\n', " ");
+    let line = text.replace(char::is_control, " ");
     match line.char_indices().nth(MAX_CHARACTERS) {
         Some((end, _)) => format!("{} ..", &line[..end]),
         None => line,

@@ -1,5 +1,6 @@
 //! `rilievo relief`: a textured rectangle with a displacement map, raised by the method of KR 10-0738500; and the patent's figures.
 
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
@@ -13,6 +14,7 @@ use crate::output::{RenderError, write_png};
 use crate::relief::extrusion::{
     Extrusion, ExtrusionMethod, HeightImage, Overflow, TextureImage, draw_extrusion,
 };
+use crate::source::open_regular;
 use crate::space::{Pose, Projection};
 
 /// Flags of `relief`.
@@ -123,14 +125,23 @@ fn open(path: &Path) -> Result<image::DynamicImage, CommandError> {
         path: path.display().to_string(),
         why,
     };
-    let reader = image::ImageReader::open(path).map_err(|error| refused(error.to_string()))?;
-    let reader = reader
+    let file = open_regular(path).map_err(|error| refused(error.to_string()))?;
+    let reader = image::ImageReader::new(BufReader::new(file))
         .with_guessed_format()
         .map_err(|error| refused(error.to_string()))?;
-    reader
+    let image = reader
         .decode()
-        .map_err(|error| refused(format!("is no PNG or JPEG that can be read ({error})")))
+        .map_err(|error| refused(format!("is no PNG or JPEG that can be read ({error})")))?;
+    match image.width().max(image.height()) > MAX_SIDE {
+        true => Err(refused(format!(
+            "is wider or higher than the {MAX_SIDE} pixels that graphics cards take; make it smaller"
+        ))),
+        false => Ok(image),
+    }
 }
+
+/// What every device of the kind that the program asks for takes, pixels.
+const MAX_SIDE: u32 = 8192;
 
 fn read_texture(path: &Path) -> Result<TextureImage, CommandError> {
     let image = open(path)?.into_rgba8();

@@ -163,6 +163,12 @@ pub fn gdal_failure() -> Option<String> {
     }
 }
 
+/// Forgets GDAL's last message on this thread, so that the next one is of what is done next.
+pub fn reset_gdal_error() {
+    // SAFETY: no arguments, thread-local state.
+    unsafe { gdal_sys::CPLErrorReset() };
+}
+
 /// The end of a message that begins with a whole statement.
 fn plainly(msg: &str) -> String {
     // SQLite's refusals stand behind the whole statement.

@@ -24,7 +24,7 @@ pub fn files_of(path: &Path) -> BTreeSet<PathBuf> {
 
 /// The file on disk behind one of GDAL's names for a part of a file: `/vsizip/a.zip/b.tif` lies in `a.zip`, `vrt://a.tif?bands=1` is read
 /// from `a.tif`. Any other path is its own.
-fn underlying(path: &Path) -> PathBuf {
+pub(super) fn underlying(path: &Path) -> PathBuf {
     let text = path.to_string_lossy();
     let mut name = match text.strip_prefix("vrt://") {
         Some(rest) => rest.split('?').next().unwrap_or(rest),
@@ -75,10 +75,7 @@ fn collect(path: &Path, depth: usize, files: &mut BTreeSet<PathBuf>) {
     files.extend(companions(path));
     // Only a description names others; to open all would be to read all.
     if describes_others(path) {
-        for file in gdal_files(
-            path,
-            GdalOpenFlags::GDAL_OF_RASTER | GdalOpenFlags::GDAL_OF_VECTOR,
-        ) {
+        for file in files_described(path) {
             if file != path {
                 collect(&file, depth - 1, files);
             }
@@ -108,7 +105,7 @@ fn companions(path: &Path) -> impl Iterator<Item = PathBuf> + use<> {
 }
 
 /// Whether a file is text that names other files, as GDAL's virtual formats are.
-fn describes_others(path: &Path) -> bool {
+pub(super) fn describes_others(path: &Path) -> bool {
     use std::io::Read;
     let mut head = Vec::new();
     let read = std::fs::File::open(path).and_then(|mut file| {
@@ -124,6 +121,14 @@ fn describes_others(path: &Path) -> bool {
         && ["VRTDataset", "VRTDataSource", "VRTTI"]
             .iter()
             .any(|name| text.contains(name))
+}
+
+/// The files that a description names, as GDAL says; itself with them.
+pub(super) fn files_described(path: &Path) -> Vec<PathBuf> {
+    gdal_files(
+        path,
+        GdalOpenFlags::GDAL_OF_RASTER | GdalOpenFlags::GDAL_OF_VECTOR,
+    )
 }
 
 /// What GDAL says that it opened; nothing for what it cannot open.

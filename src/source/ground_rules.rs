@@ -5,7 +5,7 @@ use std::path::Path;
 use indexmap::IndexMap;
 use serde::Deserialize;
 
-use super::SourceError;
+use super::{SourceError, open_regular};
 
 /// A colour, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -104,7 +104,9 @@ impl GroundRules {
         };
         let text = match std::fs::metadata(path) {
             Ok(data) if data.len() > MAX_BYTES => Err("it is larger than a megabyte".to_owned()),
-            _ => std::fs::read_to_string(path).map_err(|error| error.to_string()),
+            _ => open_regular(path)
+                .and_then(std::io::read_to_string)
+                .map_err(|error| error.to_string()),
         };
         text.and_then(|text| Self::from_text(&text)).map_err(refused)
     }

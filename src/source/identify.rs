@@ -6,7 +6,7 @@ use gdal::raster::GdalDataType;
 use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 
 use super::spatial_reference::crs_from_gdal;
-use super::{CrsChoice, FootprintSource, HeightRule, SourceError, gdal_says};
+use super::{CrsChoice, FootprintSource, HeightRule, SourceError, gdal_says, require_sound};
 use crate::space::Crs;
 
 /// What a file can be taken for.
@@ -52,6 +52,7 @@ const STOREY_M: f64 = 3.2;
 /// # Errors
 /// When GDAL opens it neither as a raster nor as vectors.
 pub fn identify(path: &Path) -> Result<SurveyFile, SourceError> {
+    require_sound(path)?;
     let options = DatasetOptions {
         open_flags: GdalOpenFlags::GDAL_OF_RASTER | GdalOpenFlags::GDAL_OF_READONLY,
         ..DatasetOptions::default()

@@ -8,16 +8,17 @@ mod files;
 mod footprint;
 mod ground_rules;
 mod height_rule;
-mod identify;
 mod height_text;
+mod identify;
 mod listed;
 mod raster;
+mod sound_file;
 mod spatial_reference;
 mod vector;
 
 pub use crs_choice::CrsChoice;
-use error::gdal_failure;
 pub use error::{SourceError, SourceRole, gdal_says};
+use error::{gdal_failure, reset_gdal_error};
 pub use files::files_of;
 pub use footprint::{BuildingTraits, Footprint, HeightOrigin, RoofSpec};
 pub use ground_rules::GroundRules;
@@ -25,6 +26,7 @@ pub use height_rule::{HeightField, HeightReading, HeightRule};
 pub use identify::{SurveyFile, SurveyKind, identify};
 pub use listed::listed;
 pub use raster::{Dtm, DtmSampler, ImageryMosaic, SampleLattice, SteppedHeights};
+pub use sound_file::{open_regular, require_sound};
 pub use spatial_reference::{OFFLINE, gdal_reference, silence_gdal};
 pub use vector::{
     CleanReport, FieldCount, FootprintChange, FootprintDataset, FootprintDatasetEditor,

@@ -13,8 +13,16 @@ pub const OFFLINE: [(&str, &str); 2] = [
     ("GDAL_HTTPS_PROXY", "http://127.0.0.1:9"),
 ];
 
+/// GDAL's cache of raster blocks, megabytes.
+const CACHE: &str = "GDAL_CACHEMAX";
+const CACHE_MB: &str = "384";
+
 /// Sends GDAL's and its PROJ's messages to the log instead of the terminal. Call before anything is read.
 pub fn silence_gdal() {
+    // By default a twentieth of the machine's memory; huge blocks of rasters would fill it.
+    if std::env::var_os(CACHE).is_none() {
+        let _ = gdal::config::set_config_option(CACHE, CACHE_MB);
+    }
     gdal::config::set_error_handler(|class, number, message| {
         tracing::debug!(?class, number, "gdal: {message}");
     });

@@ -35,6 +35,19 @@ pub fn succeed<S: AsRef<std::ffi::OsStr> + std::fmt::Debug>(arguments: &[S]) -> 
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
+/// Runs the program and requires that it refuses in one line; gives the line.
+pub fn refused<S: AsRef<std::ffi::OsStr> + std::fmt::Debug>(arguments: &[S]) -> String {
+    let output = rilievo(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
+    let lines: Vec<&str> = errors
+        .lines()
+        .filter(|line| line.starts_with("rilievo: "))
+        .collect();
+    assert_eq!(lines.len(), 1, "{arguments:?}: {errors}");
+    lines[0].to_owned()
+}
+
 /// Folder with the sample's source files (`files/`) and its city (`city/`), made once for each build of the program.
 pub fn sample() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();

@@ -5,6 +5,8 @@ use super::{Coating, D_LINE_UM, Glass, LensError};
 /// Most films of a coating and coefficients of an asphere.
 const MAX_LAYERS: usize = 64;
 const MAX_TERMS: usize = 20;
+/// Smallest radius of a surface, millimetres.
+const MIN_RADIUS_MM: f64 = 0.01;
 /// Largest length in a lens, millimetres: a hundred metres.
 const MAX_MM: f64 = 1e5;
 
@@ -123,6 +125,12 @@ impl Lens {
             if sizes.iter().any(|size| *size > MAX_MM) {
                 return Err(unfit(format!(
                     "surface {number} is larger or farther than {MAX_MM} mm; lengths are millimetres"
+                )));
+            }
+            // 0 and infinity are a plane.
+            if (f64::MIN_POSITIVE..MIN_RADIUS_MM).contains(&surface.radius_mm.abs()) {
+                return Err(unfit(format!(
+                    "surface {number} has a radius below {MIN_RADIUS_MM} mm; lengths are millimetres"
                 )));
             }
             let numbers = [

@@ -1,10 +1,12 @@
 //! The ground drawn as a plan where there is no orthophoto: roads, rails, water and green, in the imagery tiles.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use resvg::tiny_skia::{FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
+use super::clipped_ring::clipped_ring;
 use crate::city::{CityError, ImageryTile};
 use crate::source::{GroundRules, PlanFeature, PlanKind, read_plan};
 use crate::space::{Bounds, Crs, TileGrid, TileId};
@@ -130,7 +132,13 @@ impl GroundPlan {
 fn draw(pixels: &mut Pixmap, feature: &PlanFeature, rules: &GroundRules, bounds: &Bounds) {
     let scale = f64::from(pixels.width()) / bounds.width();
     let mut builder = PathBuilder::new();
+    let pixel_m = 1.0 / scale;
+    let around = bounds.grown(2.0 * pixel_m);
     for part in &feature.parts {
+        let part = match feature.width_m {
+            None => Cow::Owned(clipped_ring(part, &around)),
+            Some(_) => Cow::Borrowed(part),
+        };
         for (index, point) in part.iter().enumerate() {
             let [x, y] =
                 [(point.x - bounds.west) * scale, (bounds.north - point.y) * scale].map(|value| value as f32);
@@ -140,7 +148,7 @@ fn draw(pixels: &mut Pixmap, feature: &PlanFeature, rules: &GroundRules, bounds:
                 builder.line_to(x, y);
             }
         }
-        if feature.width_m.is_none() {
+        if feature.width_m.is_none() && !part.is_empty() {
             builder.close();
         }
     }

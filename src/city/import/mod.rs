@@ -11,6 +11,7 @@
 //! Memory: the footprints, 192 MiB of ground and a few tiles a thread. All cores. Everything goes to a staging
 //! folder (`staging`), whose finished tiles a later run of the same import keeps.
 
+mod clipped_ring;
 mod dataset_of_record;
 mod ground_plan;
 mod levels;
@@ -46,12 +47,12 @@ use geo::CoordsIter;
 use super::geotiff::GeoKeys;
 use super::ground_cache::GroundCache;
 use super::manifest::FORMAT;
-use super::rules_file::{FACADES, pictures, read_rules, rules_from_city, write_pictures};
-use super::staging::Staging;
+use super::rules_file::{FACADES, keep_pictures, pictures, read_rules, rules_from_city, write_pictures};
+use super::staging::{Staging, changes_of};
 use super::writer::TileWriter;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
-use crate::source::{Footprint, HeightRule};
+use crate::source::{Footprint, HeightRule, require_sound};
 use crate::space::{Crs, TileGrid};
 
 /// Texels along a tile's side.
@@ -87,13 +88,35 @@ fn built_tiles(grid: &TileGrid, footprints: &[Footprint]) -> usize {
     tiles.len()
 }
 
+/// Refuses a place where no folder can be, before the long work.
+fn require_possible(out: &Path) -> Result<(), CityError> {
+    let unfit = |why: &str| {
+        Err(CityError::File {
+            path: out.to_owned(),
+            why: why.to_owned(),
+        })
+    };
+    if out.to_str().is_none() {
+        return unfit("its name is no UTF-8, which a GeoPackage's has to be; choose another");
+    }
+    if out.is_symlink() && !out.exists() {
+        return unfit("is a link that leads nowhere; remove it, or choose another place");
+    }
+    if out.exists() && !out.is_dir() {
+        return Err(CityError::Occupied { path: out.to_owned() });
+    }
+    match out.ancestors().skip(1).find(|folder| folder.exists()) {
+        Some(folder) if !folder.is_dir() => unfit("lies under a file, not in a folder; choose another place"),
+        _ => Ok(()),
+    }
+}
+
 /// Makes a city.
 pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     check_numbers(options)?;
-    if options.out.is_file() {
-        return Err(CityError::Occupied {
-            path: options.out.clone(),
-        });
+    require_possible(&options.out)?;
+    for (_, file) in options.plan.all() {
+        require_sound(file)?;
     }
     let mut warnings = Vec::new();
     let sources = Sources::open(options)?;
@@ -200,7 +223,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             .file_name()
             .unwrap_or_default()
             .to_string_lossy()
-            .into_owned(),
+            .replace(char::is_control, " "),
         crs: sources.crs.label().to_owned(),
         units: "metre".to_owned(),
         texel_m,
@@ -214,6 +237,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         building_tiles: tiles.buildings,
         imagery_tiles: tiles.imagery,
         buildings: buildings.len() as u64,
+        dataset_changes: changes_of(&dataset),
         default_height_m: options.default_height_m,
         terrain_triangles: terrain.triangles,
         grid_triangles: terrain.grid_triangles,
@@ -243,6 +267,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     let path = folder.join(FACADES);
     std::fs::write(&path, &rules_text).map_err(CityError::file(&path))?;
     write_pictures(folder, &facade_pictures)?;
+    keep_pictures(&options.out, folder)?;
     let path = folder.join("city.toml");
     std::fs::write(&path, text).map_err(CityError::file(&path))?;
     if let Some(path) = cache_key.changed_file() {

@@ -9,7 +9,7 @@ use std::time::SystemTime;
 use super::ground_plan::PlanFiles;
 use crate::city::staging::beside;
 use crate::city::{CityError, Layer, SourceRecord};
-use crate::source::{HeightRule, PlanKind, files_of};
+use crate::source::{HeightRule, PlanKind, files_of, open_regular};
 
 /// What `rilievo import` was asked.
 #[derive(Clone, Debug)]
@@ -275,7 +275,7 @@ const PIECE: u64 = 1 << 18;
 
 /// Digest of what a file holds; none of what cannot be read.
 fn digest(path: &Path) -> Option<u64> {
-    let mut file = std::fs::File::open(path).ok()?;
+    let mut file = open_regular(path).ok()?;
     let size = file.metadata().ok().filter(|data| data.is_file())?.len();
     let pieces = size.min(DIGESTED).div_ceil(PIECE).max(1);
     let mut hasher = DefaultHasher::new();

@@ -4,8 +4,8 @@ use super::sources::Sources;
 use super::spacing::Spacing;
 use super::{ImportOptions, TILE_TEXELS};
 use crate::city::CityError;
-use crate::city::manifest::MAX_TILES;
-use crate::source::{Footprint, FootprintReport};
+use crate::city::manifest::{MAX_IMAGERY_SIDE, MAX_TILES};
+use crate::source::{Footprint, FootprintReport, ImageryMosaic};
 use crate::space::{Bounds, TileGrid};
 
 /// The tile grid and the terrain's lattice.
@@ -66,6 +66,7 @@ impl Plan {
                 extent: describe(&bounds),
             });
         }
+        require_useful_pixels(sources, &bounds, tile_m)?;
         let lattice = sources.dtm.lattice_in(&sources.crs, &bounds)?;
         let spacing = match &lattice {
             Some(lattice) => Spacing::on_samples(&bounds, tile_m, lattice),
@@ -92,6 +93,33 @@ impl Plan {
             fill_cut_m: (hole_samples > MAX_FILL_SAMPLES).then_some(MAX_FILL_SAMPLES as f64 * spacing.step_m),
         })
     }
+}
+
+/// Pixels that are read of a source at most where those stored of it, 1024 along a tile's side, are so many times fewer.
+const MAX_PIXELS: f64 = 2e9;
+const PIXELS_A_SAMPLE: f64 = 450.0;
+
+/// Refuses a source so much finer than the city that reading it would be hours of work for nothing.
+fn require_useful_pixels(sources: &Sources, bounds: &Bounds, tile_m: f64) -> Result<(), CityError> {
+    let finest_m = tile_m / MAX_IMAGERY_SIDE as f64;
+    let terrain = sources.dtm.finest_file(&sources.crs)?;
+    let imagery = sources.imagery.iter().flat_map(ImageryMosaic::file_sizes);
+    for (path, extent, pixel_m) in [terrain].into_iter().chain(imagery) {
+        let part = extent.intersection(bounds);
+        let a_sample = (finest_m / pixel_m).powi(2);
+        if part.is_empty() || a_sample <= PIXELS_A_SAMPLE {
+            continue;
+        }
+        let pixels = part.width() * part.height() / (pixel_m * pixel_m);
+        if pixels > MAX_PIXELS {
+            return Err(CityError::TooFine {
+                path: path.to_owned(),
+                pixels,
+                times: a_sample.sqrt(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A power of two that changes slopes by less than 0.2 %: 8 mm for samples 4 m apart. Zeros in the last bits halve the files.

@@ -20,6 +20,7 @@ use std::path::PathBuf;
 use changes::{Changes, UpdateContext, by_comparing, by_difference, from_file, stamp_of};
 use transaction::{Transaction, finish_interrupted, set_not_older};
 
+use super::manifest::MAX_GENERATION;
 use super::{City, CityError, Manifest};
 use crate::source::FootprintReport;
 use crate::space::Crs;
@@ -93,6 +94,12 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
         from_file(&place, options, &footprints)?
     };
     let manifest = changed_manifest(manifest, &changes);
+    if manifest.generation > MAX_GENERATION {
+        return Err(CityError::File {
+            path: options.city.join("city.toml"),
+            why: "counts more updates than a city can have; import it again".to_owned(),
+        });
+    }
     if changes.is_empty() {
         // What was edited of the dataset changes no building.
         drop(transaction);

@@ -31,6 +31,8 @@ const PLAN: &str = "plan.toml";
 /// Footprints that it puts into the dataset.
 const FOOTPRINTS: &str = "footprints.gpkg";
 const MANIFEST: &str = "city.toml";
+/// The dataset while it is copied.
+const COPY: &str = "dataset.gpkg";
 
 /// What an update takes away.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -200,6 +202,8 @@ fn changed_dataset(
         check()?;
         return Ok(None);
     }
+    let copy = footprints.with_file_name(COPY);
+    unshare(path, &copy)?;
     let mut dataset = FootprintDatasetEditor::open(path)?;
     check()?;
     if footprints.exists() {
@@ -208,6 +212,27 @@ fn changed_dataset(
     }
     dataset.remove(deleted)?;
     Ok(Some(dataset))
+}
+
+/// Gives a file that has other names, as in a backup of hard links, a copy of its own under this one. `copy`: where that is made.
+fn unshare(path: &Path, copy: &Path) -> Result<(), CityError> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let data = fs::metadata(path).map_err(CityError::file(path))?;
+        if data.nlink() > 1 {
+            let copied = fs::copy(path, copy)
+                .and_then(|_| fs::File::options().append(true).open(copy))
+                .and_then(|file| {
+                    // The time tells whether somebody edited it.
+                    file.set_modified(data.modified()?)?;
+                    file.sync_all()
+                })
+                .and_then(|()| fs::rename(copy, path));
+            return copied.map_err(CityError::file(path));
+        }
+    }
+    Ok(())
 }
 
 /// Moves the tiles and, last, the manifest of an update that holds.

@@ -44,6 +44,8 @@ pub struct FrameFolder {
 
 /// What the frames are of: a film of other parameters begins anew.
 const KEY_FILE: &str = "film.key";
+/// A video of the frames while it is made.
+const VIDEO: &str = "film.partial";
 /// After the ending of a frame that is being written.
 const PARTIAL: &str = ".partial";
 
@@ -129,15 +131,28 @@ impl FrameFolder {
         self.folder.join(format!("%06d.{}", self.kind.ending()))
     }
 
-    /// Removes the folder, whose frames are in a video.
+    /// Where a video of them is made, before it takes its place.
+    pub fn video(&self) -> PathBuf {
+        self.folder.join(VIDEO)
+    }
+
+    /// Removes the frames, which are in a video, and the folder.
     ///
     /// # Errors
-    /// When it cannot be removed.
+    /// When one cannot be removed.
     pub fn remove(self) -> Result<(), OutputError> {
-        fs::remove_dir_all(&self.folder).map_err(|why| OutputError {
-            path: self.folder,
-            why: why.to_string(),
-        })
+        for path in frames_in(&self.folder)?
+            .into_iter()
+            .chain([self.folder.join(KEY_FILE)])
+        {
+            fs::remove_file(&path).map_err(|why| OutputError {
+                path,
+                why: why.to_string(),
+            })?;
+        }
+        // What somebody else put there stays.
+        let _ = fs::remove_dir(&self.folder);
+        Ok(())
     }
 }
 
@@ -151,7 +166,7 @@ fn is_frame_name(name: &str) -> bool {
         && ["png", "exr"].contains(&ending.strip_suffix(PARTIAL).unwrap_or(ending))
 }
 
-/// The frames in a folder.
+/// The frames in a folder, and what a stopped encoder left.
 ///
 /// # Errors
 /// When it holds anything else than a film.
@@ -166,7 +181,7 @@ fn frames_in(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
         .flatten()
     {
         let name = entry.file_name();
-        if name.to_str().is_some_and(is_frame_name) {
+        if name == VIDEO || name.to_str().is_some_and(is_frame_name) {
             frames.push(entry.path());
         } else if name != KEY_FILE {
             return Err(error(format!(

@@ -38,7 +38,7 @@ pub fn encode_video(frames: &FrameFolder, frames_per_s: f64, video: &Path) -> Re
         path: video.to_owned(),
         why,
     };
-    let beside = video.with_extension("partial.mp4");
+    let beside = frames.video();
     let output = Command::new(PROGRAM)
         .args([
             "-hide_banner",

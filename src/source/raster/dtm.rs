@@ -77,6 +77,12 @@ impl Dtm {
         self.sources[0].pixel_m
     }
 
+    /// The first of the files with the finest pixels, their rectangle in the city's CRS, and the side of a pixel, metres.
+    pub fn finest_file(&self, city: &Crs) -> Result<(&Path, Bounds, f64), SourceError> {
+        let mosaic = &self.sources[0];
+        Ok((&mosaic.files[0].path, mosaic.bounds_in(city)?, mosaic.pixel_m))
+    }
+
     /// Side of the coarsest pixel, metres.
     pub fn coarsest_pixel_m(&self) -> f64 {
         self.sources.last().map_or(0.0, |mosaic| mosaic.pixel_m)

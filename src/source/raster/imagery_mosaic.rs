@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use gdal::raster::{Buffer, GdalDataType};
 use gdal::{Dataset, DriverManager};
 
-use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
+use super::whole_raster::require_all_samples;
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says, require_sound};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// Imagery files, in the order given; later ones lie on top.
@@ -43,6 +44,12 @@ impl ImageryMosaic {
     /// The CRS of every file.
     pub fn all_crs(&self) -> impl Iterator<Item = &Crs> {
         self.files.iter().map(|file| &file.crs)
+    }
+
+    /// Files with their rectangles in the city's CRS and the sides of their pixels, metres.
+    pub fn file_sizes(&self) -> impl Iterator<Item = (&Path, Bounds, f64)> {
+        let files = self.files.iter();
+        files.map(|file| (file.path.as_path(), file.bounds, file.pixel_m))
     }
 
     /// Side of the finest orthophoto's pixel, metres.
@@ -82,7 +89,9 @@ impl ImageryFile {
             why: gdal_says(&error),
             expected: "raster",
         };
+        require_sound(path)?;
         let dataset = Dataset::open(path).map_err(open_error)?;
+        require_all_samples(path, &dataset)?;
         let crs_error = |source| SourceError::Crs {
             path: path.to_owned(),
             source,

@@ -7,6 +7,7 @@ mod mosaic_source;
 mod sampler;
 mod smoothing;
 mod smoothing_grid;
+mod whole_raster;
 mod window;
 
 pub use dtm::{Dtm, DtmSampler, SampleLattice, SteppedHeights};

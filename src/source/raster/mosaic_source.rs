@@ -7,7 +7,8 @@ use glam::DVec2;
 
 use super::dtm::SampleLattice;
 use super::smoothing::Smoothing;
-use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
+use super::whole_raster::require_all_samples;
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says, require_sound};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// A sample so near a pixel's centre, in pixels, is that pixel.
@@ -45,7 +46,9 @@ const MAX_PIXEL_M: f64 = 1e6;
 
 impl MosaicSource {
     pub fn open(path: &Path, choice: &CrsChoice, metres_per_unit: Option<f64>) -> Result<Self, SourceError> {
+        require_sound(path)?;
         let dataset = open_raster(path)?;
+        require_all_samples(path, &dataset)?;
         let unfit = |what: &str, advice: &str| SourceError::Unfit {
             path: path.to_owned(),
             what: what.to_owned(),

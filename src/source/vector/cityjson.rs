@@ -5,18 +5,22 @@
 //! attributes `geometry_height`, `geometry_zmin` and `geometry_zmax`, metres.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use gdal::vector::{
     Defn, Feature, FieldDefn, FieldValue, Geometry, LayerOptions, OGRFieldType, OGRwkbGeometryType,
 };
 use gdal::{Dataset, DriverManager};
-use geo::{Coord, LineString, MultiPolygon, Polygon, Validation, unary_union};
+use geo::{Coord, CoordsIter, LineString, MultiPolygon, Polygon, unary_union};
 use glam::DVec3;
 use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::clean::is_valid;
+use super::footprint_source::require_few_fields;
+use crate::source::sound_file::in_zip;
 use crate::source::{SourceError, gdal_reference};
 use crate::space::Crs;
 
@@ -31,6 +35,16 @@ struct CityJson {
     transform: Option<Quantisation>,
     #[serde(default)]
     metadata: Metadata,
+}
+
+impl CityJson {
+    /// Buildings and their parts, in the file's order.
+    fn buildings(&self) -> impl Iterator<Item = &CityObject> {
+        let kinds = ["Building", "BuildingPart"];
+        self.objects
+            .values()
+            .filter(move |object| kinds.contains(&object.kind.as_str()))
+    }
 }
 
 #[derive(Deserialize)]
@@ -89,18 +103,21 @@ pub fn virtual_path(path: &Path) -> Option<PathBuf> {
     if !name.ends_with(".json") {
         return None;
     }
-    let text = std::fs::read(path).ok()?;
+    // One too large to be held is told from its beginning, where writers put it.
+    let mut text = Vec::new();
+    let mut file = std::fs::File::open(path).ok()?;
+    let bytes = file.metadata().ok()?.len();
+    let told = if bytes > MAX_TEXT { HEAD } else { bytes };
+    Read::by_ref(&mut file).take(told).read_to_end(&mut text).ok()?;
     let mark = b"\"CityJSON\"";
     text.windows(mark.len())
         .any(|window| window == mark)
         .then(|| path.to_owned())
 }
 
-/// GDAL's name for the inside of an archive: `/vsizip/` and the absolute path.
-pub fn in_zip(path: &Path) -> PathBuf {
-    let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    PathBuf::from(format!("/vsizip/{}", full.display()))
-}
+/// Most bytes of a CityJSON text, which is read as a whole, and those in which a longer one is told.
+const MAX_TEXT: u64 = 1 << 31;
+const HEAD: u64 = 1 << 16;
 
 /// A CityJSON file as OGR sees it.
 pub struct OpenedCityJson {
@@ -133,6 +150,8 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<OpenedCityJson, SourceEr
             path: path.to_owned(),
             source,
         })?;
+    let attributes = city.buildings().map(|object| object.attributes.keys());
+    require_few_fields(path, attributes.flatten().collect::<BTreeSet<_>>().len())?;
     let dataset = layer_of(&city, crs.as_ref()).map_err(|error| damaged(error.to_string()))?;
     Ok(OpenedCityJson {
         dataset,
@@ -164,7 +183,11 @@ fn drop_wrong_translation(city: &mut CityJson) -> bool {
 
 fn read_text(path: &Path) -> Result<Vec<u8>, String> {
     if !path.starts_with("/vsizip") {
-        return std::fs::read(path).map_err(|error| error.to_string());
+        let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+        return match bytes > MAX_TEXT {
+            true => Err("it is larger than 2 GiB; divide it, for example with cjio".to_owned()),
+            false => std::fs::read(path).map_err(|error| error.to_string()),
+        };
     }
     use gdal::vsi;
     let name = path.to_string_lossy();
@@ -197,11 +220,7 @@ fn layer_of(city: &CityJson, crs: Option<&Crs>) -> Result<Dataset, gdal::errors:
         ty: OGRwkbGeometryType::wkbMultiPolygon,
         options: None,
     })?;
-    let buildings: Vec<&CityObject> = city
-        .objects
-        .values()
-        .filter(|object| object.kind == "Building" || object.kind == "BuildingPart")
-        .collect();
+    let buildings: Vec<&CityObject> = city.buildings().collect();
     let mut names: BTreeMap<&str, bool> = BTreeMap::new();
     for object in &buildings {
         for (name, value) in &object.attributes {
@@ -254,6 +273,9 @@ fn field_value(value: &Value, numeric: &bool) -> Option<FieldValue> {
     }
 }
 
+/// Most vertices of surfaces that are joined to one plan: pieces that all lie over one another cross as often as the square of them.
+const MAX_JOINED: usize = 16_000;
+
 /// The ground plan and the lowest and highest vertex of an object.
 fn plan_of(object: &CityObject, city: &CityJson) -> Option<(MultiPolygon<f64>, [f64; 2])> {
     let mut surfaces = Vec::new();
@@ -293,7 +315,8 @@ fn plan_of(object: &CityObject, city: &CityJson) -> Option<(MultiPolygon<f64>, [
                 .filter(|surface| lean(&surface.rings[0]).abs() > 0.05),
         );
     }
-    if grounds.is_empty() {
+    let vertices: usize = grounds.iter().map(CoordsIter::coords_count).sum();
+    if grounds.is_empty() || (grounds.len() > 1 && vertices > MAX_JOINED) {
         return None;
     }
     let plan = if grounds.len() == 1 {
@@ -362,7 +385,7 @@ fn plans<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> Vec<Polygon<f64>> {
                 .iter()
                 .map(|ring| LineString::new(ring.iter().map(|p| Coord { x: p.x, y: p.y }).collect()));
             let polygon = Polygon::new(rings.next()?, rings.collect());
-            polygon.is_valid().then_some(polygon)
+            is_valid(&MultiPolygon::from(polygon.clone())).then_some(polygon)
         })
         .collect()
 }

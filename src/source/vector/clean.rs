@@ -62,12 +62,7 @@ pub fn clean_outline(outline: &Outline) -> Result<(MultiPolygon<f64>, CleanRepor
     if multi.0.is_empty() {
         return Err("an outline of fewer than three different points");
     }
-    let simple = if vertex_count(&multi) > MANY_VERTICES {
-        geos_valid(&multi)
-    } else {
-        multi.is_valid()
-    };
-    if !simple {
+    if !is_valid(&multi) {
         if is_tangled(&multi) {
             return Err("an outline too tangled to repair");
         }
@@ -101,6 +96,14 @@ fn vertex_count(multi: &MultiPolygon<f64>) -> usize {
     multi.coords_count()
 }
 
+/// Whether an outline is a valid one (OGC 06-103r4, 6.1.11), in time that does not grow with the square of its vertices.
+pub fn is_valid(multi: &MultiPolygon<f64>) -> bool {
+    match vertex_count(multi) > MANY_VERTICES {
+        true => geos_valid(multi),
+        false => multi.is_valid(),
+    }
+}
+
 fn geos_valid(multi: &MultiPolygon<f64>) -> bool {
     Geometry::from_wkb(&super::feature::wkb_of(multi)).is_ok_and(|geometry| geometry.is_valid())
 }
@@ -108,23 +111,29 @@ fn geos_valid(multi: &MultiPolygon<f64>) -> bool {
 /// True when edges cross more often than can be repaired, or there are too many edges to tell.
 fn is_tangled(multi: &MultiPolygon<f64>) -> bool {
     use geo::{Intersects, LinesIter};
-    let lines: Vec<_> = multi.lines_iter().collect();
-    if lines.len() > 30_000 {
+    use rstar::RTreeObject;
+    let tree = rstar::RTree::bulk_load(multi.lines_iter().collect());
+    if tree.size() > MAX_TESTED {
         return true;
     }
-    let mut crossings = 0;
-    for (index, line) in lines.iter().enumerate() {
-        crossings += lines[index + 1..]
-            .iter()
-            .filter(|other| line.intersects(*other))
-            .count();
-        // Neighbours meet once each.
-        if crossings > MAX_CROSSINGS + lines.len() {
+    // Each pair twice, each line with itself, and neighbours, which meet once.
+    let most = 2 * MAX_CROSSINGS + 3 * tree.size();
+    let (mut meetings, mut tests) = (0, 0);
+    for line in &tree {
+        for other in tree.locate_in_envelope_intersecting(&line.envelope()) {
+            tests += 1;
+            meetings += usize::from(line.intersects(other));
+        }
+        if meetings > most || tests > MAX_TESTS {
             return true;
         }
     }
     false
 }
+
+/// Edges that are tested for crossings, and how many tests that may take.
+const MAX_TESTED: usize = 30_000;
+const MAX_TESTS: usize = 20_000_000;
 
 /// Drops repeated points and the closing one. True when a real repeat was dropped.
 fn without_repeats(ring: &[Coord<f64>]) -> (Vec<Coord<f64>>, bool) {

@@ -7,9 +7,10 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use glam::DVec2;
 
 use super::cityjson;
-use super::csv_end::require_whole;
+use super::file_end::require_end;
 use super::plain_geopackage::require_plain;
-use crate::source::{CrsChoice, SourceError, SourceRole, gdal_reference, gdal_says};
+use crate::source::sound_file::in_zip;
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_reference, gdal_says, require_sound};
 use crate::space::{Crs, GeoArea};
 
 /// Where a building's id comes from.
@@ -60,6 +61,7 @@ impl FootprintSource {
         choice: &CrsChoice,
         drivers: Option<&[&str]>,
     ) -> Result<Self, SourceError> {
+        require_sound(path)?;
         let city = cityjson::virtual_path(path)
             .map(|virtual_path| cityjson::open(path, &virtual_path))
             .transpose()?;
@@ -69,9 +71,6 @@ impl FootprintSource {
             None => (open_vector(path, drivers)?, None, false),
         };
         let driver = dataset.driver().short_name();
-        if driver == "CSV" && path.is_file() {
-            require_whole(path)?;
-        }
         let (is_osm, is_cad) = (
             driver == "OSM",
             driver == "DXF" || driver == "DGN" || driver == "CAD",
@@ -107,15 +106,7 @@ impl FootprintSource {
 
     /// A footprint dataset has no room for more.
     fn require_few_fields(&self) -> Result<(), SourceError> {
-        let count = self.layer()?.defn().fields().count();
-        if count <= MAX_FIELDS {
-            return Ok(());
-        }
-        Err(SourceError::Unfit {
-            path: self.path.clone(),
-            what: format!("has {count} attributes, more than the {MAX_FIELDS} that a GeoPackage holds"),
-            advice: "leave some out, with ogr2ogr -select".to_owned(),
-        })
+        require_few_fields(&self.path, self.layer()?.defn().fields().count())
     }
 
     /// Opens a city's footprint dataset of record; `written_in`: the CRS of one that was just written.
@@ -131,12 +122,21 @@ impl FootprintSource {
         require_plain(path)?;
         let layer = Some(super::footprint_dataset::LAYER);
         // Nothing else that lies there under its name: a description could name other files and servers.
-        Self::open_by(
+        let source = Self::open_by(
             path,
             layer,
             &CrsChoice::new(written_in.cloned(), None),
             Some(&["GPKG"]),
-        )
+        )?;
+        // Its definition is in the file, and an operation from it would open the grids that it names.
+        match Crs::is_plain_definition(source.crs.label()) {
+            true => Ok(source),
+            false => Err(SourceError::Unfit {
+                path: path.to_owned(),
+                what: "its coordinate reference system names other files".to_owned(),
+                advice: "import the city again from its sources".to_owned(),
+            }),
+        }
     }
 
     /// Takes building ids from the column `fid` where the format keeps none: for features that are to meet others by their ids.
@@ -280,6 +280,18 @@ impl FootprintSource {
     }
 }
 
+/// Refuses more attributes than a footprint dataset has room for.
+pub(super) fn require_few_fields(path: &Path, count: usize) -> Result<(), SourceError> {
+    if count <= MAX_FIELDS {
+        return Ok(());
+    }
+    Err(SourceError::Unfit {
+        path: path.to_owned(),
+        what: format!("has {count} attributes, more than the {MAX_FIELDS} that a GeoPackage holds"),
+        advice: "leave some out, with ogr2ogr -select".to_owned(),
+    })
+}
+
 fn may_hold_areas(defn: &Defn) -> bool {
     use OGRwkbGeometryType as Kind;
     let kind = gdal::vector::geometry_type_flatten(defn.geometry_type());
@@ -292,11 +304,7 @@ fn may_hold_areas(defn: &Defn) -> bool {
 /// Opens a dataset; with `drivers` by one of those alone, whatever else the file pretends to be.
 pub(super) fn open_vector(path: &Path, drivers: Option<&[&str]>) -> Result<Dataset, SourceError> {
     let zipped = path.extension().is_some_and(|extension| extension == "zip");
-    let name = if zipped {
-        super::cityjson::in_zip(path)
-    } else {
-        path.to_owned()
-    };
+    let name = if zipped { in_zip(path) } else { path.to_owned() };
     Dataset::open_ex(
         &name,
         DatasetOptions {
@@ -312,4 +320,5 @@ pub(super) fn open_vector(path: &Path, drivers: Option<&[&str]>) -> Result<Datas
         why: gdal_says(&error),
         expected: "vector file",
     })
+    .and_then(|dataset| require_end(path, &dataset.driver().short_name()).map(|()| dataset))
 }

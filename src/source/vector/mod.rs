@@ -2,7 +2,7 @@
 
 mod cityjson;
 mod clean;
-mod csv_end;
+mod file_end;
 mod dataset_editor;
 mod footprint_dataset;
 mod feature;

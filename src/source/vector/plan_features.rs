@@ -11,7 +11,9 @@ use super::footprint_source::open_vector;
 use super::heights::OTHER_TAGS;
 use super::known_fields::plain;
 use crate::source::ground_rules::{AreaRules, Colour};
-use crate::source::{CrsChoice, GroundRules, SourceError, SourceRole, gdal_says};
+use crate::source::{
+    CrsChoice, GroundRules, SourceError, SourceRole, gdal_failure, gdal_says, require_sound, reset_gdal_error,
+};
 use crate::space::{Bounds, Crs, PointTransform};
 
 /// What a layer shows.
@@ -183,6 +185,7 @@ pub fn read_plan(
         path: path.to_owned(),
         why,
     };
+    require_sound(path)?;
     let dataset = open_vector(path, None)?;
     let is_osm = dataset.driver().short_name() == "OSM";
     let mut features = Vec::new();
@@ -202,7 +205,20 @@ pub fn read_plan(
             why: error.to_string(),
         })?;
         let fields = Fields::new(layer.defn());
-        for feature in layer.features() {
+        let mut features_read = layer.features();
+        // A feature before the last may fail alone; the end of a damaged file looks like one of a finished file.
+        let mut last_failure = None;
+        loop {
+            reset_gdal_error();
+            let next = features_read.next();
+            let failure = gdal_failure();
+            let Some(feature) = next else {
+                if let Some(why) = failure.or(last_failure) {
+                    return Err(read_error(why));
+                }
+                break;
+            };
+            last_failure = failure;
             let tags = Tags {
                 feature: &feature,
                 fields: &fields,

@@ -1,7 +1,10 @@
 //! The stream of cleaned footprints that an opened file gives.
 
 use std::collections::{BTreeMap, HashSet};
+use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
 
 use gdal::vector::{Feature, Layer, LayerAccess, OGRwkbGeometryType};
 use geo::MultiPolygon;
@@ -16,7 +19,7 @@ use super::outline::Outline;
 use super::traits::TraitReader;
 use super::{FootprintDatasetWriter, FootprintReport, FootprintSource};
 use crate::source::{
-    BuildingTraits, Footprint, HeightRule, SourceError, SourceRole, gdal_failure, gdal_says,
+    BuildingTraits, Footprint, HeightRule, SourceError, SourceRole, gdal_failure, gdal_says, reset_gdal_error,
 };
 use crate::space::{Bounds, Crs, PointTransform};
 
@@ -75,10 +78,9 @@ impl FootprintSource {
         let mut report = FootprintReport::new(rule);
         let mut seen = HashSet::new();
         let mut index: u32 = 0;
-        let counted = if self.reads_past_damage {
-            layer.feature_count()
-        } else {
-            0
+        let counted = match self.reads_past_damage {
+            true => layer.feature_count(),
+            false => rows_beside(&self.path),
         };
         let mut features = layer.features();
         let mut last_failure: Option<String> = None;
@@ -245,7 +247,9 @@ impl FootprintSource {
         let fid = |fid: Option<i64>| u32::try_from(fid?).ok().filter(|&fid| fid > 0);
         match self.ids {
             FeatureIds::Own => fid(feature.fid().and_then(|fid| i64::try_from(fid).ok())),
-            FeatureIds::Column(column) => fid(feature.field_as_integer64(column).ok().flatten()),
+            FeatureIds::Column(column) => {
+                fid(column_text(feature, column).and_then(|text| whole_number(&text)))
+            }
             FeatureIds::Index => Some(index),
         }
     }
@@ -273,7 +277,9 @@ impl FootprintSource {
                 collect_polygons(geometry, &mut outline, accept);
                 outline.polygons.is_empty().then_some("not an area")
             }
-            _ if self.is_cityjson => Some("no surface of its own (parts are features of their own)"),
+            _ if self.is_cityjson => {
+                Some("no surface of its own (parts are features of their own), or one of too many pieces")
+            }
             _ => Some("no geometry"),
         };
         (outline, rejected)
@@ -301,6 +307,29 @@ impl FootprintSource {
             )
             .collect()
     }
+}
+
+/// Rows of the table beside a MapInfo interchange file, one for each of its features; 0 of any other file.
+fn rows_beside(path: &Path) -> u64 {
+    let is_interchange = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("mif"));
+    let table = ["mid", "MID"].map(|ending| path.with_extension(ending));
+    let table = table.iter().find(|table| table.is_file());
+    let lines = |file| BufReader::new(file).split(b'\n').map_while(Result::ok);
+    let file = table
+        .filter(|_| is_interchange)
+        .and_then(|table| File::open(table).ok());
+    file.map_or(0, |file| {
+        lines(file).filter(|line| !line.trim_ascii().is_empty()).count() as u64
+    })
+}
+
+/// A number without a fraction; OGR would take `3.7` for 3 and a word for 0.
+fn whole_number(text: &str) -> Option<i64> {
+    let text = text.trim();
+    let whole = || text.parse::<f64>().ok().filter(|number| number.fract() == 0.0);
+    text.parse().ok().or_else(|| Some(whole()? as i64))
 }
 
 fn transformed(outline: &Outline, transform: &PointTransform) -> Outline {
@@ -369,9 +398,4 @@ fn fingerprint(outline: &MultiPolygon<f64>) -> u64 {
     let mut hasher = DefaultHasher::new();
     super::feature::wkb_of(outline).hash(&mut hasher);
     hasher.finish()
-}
-
-fn reset_gdal_error() {
-    // SAFETY: no arguments, thread-local state.
-    unsafe { gdal_sys::CPLErrorReset() };
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::feature::column_text;
 use super::footprint_source::open_vector;
-use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says};
+use crate::source::{CrsChoice, SourceError, SourceRole, gdal_says, require_sound};
 use crate::space::{Crs, PointTransform};
 
 /// A point of a track.
@@ -31,6 +31,7 @@ const MAX_POINTS: usize = 2_000_000;
 /// # Errors
 /// When the file cannot be read, or holds no track.
 pub fn read_track(path: &Path, city: &Crs) -> Result<Vec<TrackPoint>, SourceError> {
+    require_sound(path)?;
     let dataset = open_vector(path, Some(&["GPX", "KML", "LIBKML"]))?;
     let read_error = |why: String| SourceError::Read {
         path: path.to_owned(),

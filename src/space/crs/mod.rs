@@ -70,6 +70,8 @@ impl Crs {
             && text.len() <= 64;
         let kind = text.split('[').next().unwrap_or_default();
         let is_wkt = text.contains('[') && text.ends_with(']') && is_word(kind, "_");
+        // PROJ takes printed quotation marks for quotes as well; what it writes has none.
+        let has_printed_quotes = text.contains(['\u{201c}', '\u{201d}']);
         // Nodes of WKT, and parameters of PROJ in them, that name files. Names and remarks between quotes may be anything.
         let outside_quotes: String = text
             .split('"')
@@ -85,7 +87,7 @@ impl Crs {
             .iter()
             .any(|name| upper.contains(name))
             || names_nodes;
-        (is_code || is_wkt) && !names_files
+        (is_code || is_wkt) && !names_files && !has_printed_quotes
     }
 
     /// Reads `EPSG:n`, WKT, PROJ strings and whatever else PROJ takes for a CRS.

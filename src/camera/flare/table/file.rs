@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use super::GhostTable;
 use crate::camera::lens::{Lens, to_toml};
+use crate::source::open_regular;
 
 /// A table cannot be used.
 #[derive(Debug, Error)]
@@ -100,7 +101,7 @@ pub fn write_table(path: &Path, lens: &Lens, table: GhostTable) -> Result<u64, T
 
 /// Reads a table made for this lens, and of rays for this f-number.
 pub fn open_table(path: &Path, lens: &Lens, f_number: f64) -> Result<GhostTable, TableError> {
-    let file = File::open(path).map_err(|source| TableError::File {
+    let file = open_regular(path).map_err(|source| TableError::File {
         path: path.to_owned(),
         source,
     })?;

@@ -13,6 +13,7 @@ use serde::Deserialize;
 
 use super::video_frames::video_frame;
 use super::{ImageTable, LightImage, TableError};
+use crate::source::open_regular;
 
 /// Photos are reduced until neither side is longer, pixels.
 const MAX_PIXELS: u32 = 480;
@@ -154,7 +155,7 @@ pub fn table_from_photos(
 }
 
 fn open(photo: &Path) -> Result<BufReader<File>, TableError> {
-    let file = File::open(photo).map_err(|source| TableError::File {
+    let file = open_regular(photo).map_err(|source| TableError::File {
         path: photo.to_owned(),
         source,
     })?;

@@ -1,7 +1,7 @@
-//! Whether a table of text ends where its writer ended: GDAL takes a cut one for whole.
+//! Whether a file ends where its writer ended, in formats of which GDAL takes a cut one for whole.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Result, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::source::SourceError;
@@ -9,12 +9,34 @@ use crate::source::SourceError;
 /// Separators that GDAL's driver tells apart.
 const SEPARATORS: [u8; 4] = *b",;\t|";
 
-/// Refuses a file that ends within a quotation, or in a row with fewer columns than all others.
+/// What ends a design file (Intergraph Standard File Formats, element headers), before padding with zeros.
+const END_OF_DESIGN: [u8; 2] = [0xff, 0xff];
+/// Most bytes of such padding that are looked through.
+const MAX_PADDING: u64 = 1 << 16;
+
+/// Refuses a table of text that ends within a quotation or in a row with fewer columns than all others, a design file without its end,
+/// and lines of GMT of which the last is cut. `driver`: by which GDAL reads it.
 ///
 /// # Errors
 /// Then, and when it cannot be read.
-pub fn require_whole(path: &Path) -> Result<(), SourceError> {
-    match fault(path) {
+pub fn require_end(path: &Path, driver: &str) -> std::result::Result<(), SourceError> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    let fault = match driver {
+        "CSV" => fault_of_table(path),
+        "DGN" => tail(path).map(|tail| {
+            let padding = tail.iter().rev().take_while(|&&byte| byte == 0).count();
+            let is_ended = tail[..tail.len() - padding].ends_with(&END_OF_DESIGN);
+            (!is_ended).then(|| "its end is missing".to_owned())
+        }),
+        "OGR_GMT" => tail(path).map(|tail| {
+            let is_ended = tail.last().is_none_or(|&byte| byte == b'\n');
+            (!is_ended).then(|| "it ends within a line".to_owned())
+        }),
+        _ => return Ok(()),
+    };
+    match fault {
         Ok(None) => Ok(()),
         Ok(Some(why)) => Err(SourceError::Read {
             path: path.to_owned(),
@@ -27,7 +49,17 @@ pub fn require_whole(path: &Path) -> Result<(), SourceError> {
     }
 }
 
-fn fault(path: &Path) -> std::io::Result<Option<String>> {
+/// A file's last bytes.
+fn tail(path: &Path) -> Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(MAX_PADDING)))?;
+    let mut tail = Vec::new();
+    file.read_to_end(&mut tail)?;
+    Ok(tail)
+}
+
+fn fault_of_table(path: &Path) -> Result<Option<String>> {
     let mut header = Vec::new();
     BufReader::new(File::open(path)?)
         .take(1 << 20)
@@ -67,7 +99,7 @@ struct Quotes {
 }
 
 impl Read for Quotes {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
         let length = self.file.read(buffer)?;
         self.count += buffer[..length].iter().filter(|&&byte| byte == b'"').count() as u64;
         Ok(length)

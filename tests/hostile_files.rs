@@ -1,0 +1,309 @@
+//! What careless and hostile files do to import, film and update: what is no file is not waited for, what is cut is not taken for whole,
+//! what unpacks or nests without end is not begun, and nobody's own files are lost.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use rilievo::city::{City, Layer};
+use rilievo::space::TileId;
+use support::{copied, import_arguments, refused, rilievo, sample, succeed};
+
+/// Longest that a refusal may take.
+const SOON: Duration = Duration::from_secs(5);
+
+/// The sample's import with other files: `changes` name a flag and what it is given instead.
+fn import_with(out: &Path, changes: &[(&str, &Path)]) -> Vec<String> {
+    let mut arguments = import_arguments(&sample().join("files"), out);
+    for (flag, file) in changes {
+        let file = file.display().to_string();
+        match arguments.iter().position(|argument| argument == flag) {
+            Some(at) => arguments[at + 1] = file,
+            None => arguments.extend([(*flag).to_owned(), file]),
+        }
+    }
+    arguments
+}
+
+/// Refused soon, by name and with `why`.
+fn refused_soon(arguments: &[String], why: &str) {
+    let begun = Instant::now();
+    let message = refused(arguments);
+    assert!(message.contains(why), "{message}");
+    assert!(begun.elapsed() < SOON, "{:?}: {message}", begun.elapsed());
+}
+
+fn words(words: &[&str], paths: &[&Path]) -> Vec<String> {
+    let mut all: Vec<String> = words.iter().map(|&word| word.to_owned()).collect();
+    all.extend(paths.iter().map(|path| path.display().to_string()));
+    all
+}
+
+/// A pipe keeps its reader waiting for ever.
+#[test]
+fn what_is_no_file_is_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = |name: &str| -> PathBuf {
+        let path = folder.path().join(name);
+        assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+        path
+    };
+    let out = folder.path().join("c");
+    let [vectors, raster, track, picture, table, rules] =
+        ["f.geojson", "f.tif", "f.gpx", "f.png", "f.table", "f.toml"].map(pipe);
+    for flag in ["--buildings", "--roads", "--water"] {
+        refused_soon(&import_with(&out, &[(flag, &vectors)]), "is no plain file");
+    }
+    for flag in ["--terrain", "--photo"] {
+        refused_soon(&import_with(&out, &[(flag, &raster)]), "is no plain file");
+    }
+    let with_rules = import_with(&out, &[("--roads", &vectors), ("--ground-rules", &rules)]);
+    refused_soon(&with_rules, "is no plain file");
+    let endless = folder.path().join("z.json");
+    std::os::unix::fs::symlink("/dev/zero", &endless).unwrap();
+    refused_soon(
+        &import_with(&out, &[("--buildings", &endless)]),
+        "is no plain file",
+    );
+
+    let city = sample().join("city");
+    let mut film = words(&["film"], &[&city]);
+    film.extend(words(&["--path"], &[&track]));
+    film.extend(words(&["--out"], &[&folder.path().join("frames")]));
+    refused_soon(&film, "is no plain file");
+    let mut update = words(&["update"], &[&city]);
+    update.extend(words(&["--buildings"], &[&vectors]));
+    refused_soon(&update, "is no plain file");
+    let mut relief = words(&["relief", "--texture"], &[&picture]);
+    relief.extend(words(&["--height"], &[&picture]));
+    relief.extend(words(&["--out"], &[&folder.path().join("o.png")]));
+    refused_soon(&relief, "is no plain file");
+    let mut render = words(&["render"], &[&city]);
+    render.extend(words(
+        &[
+            "--eye",
+            "288900,4772500,1000",
+            "--look",
+            "289230,4773050,215",
+            "--lens",
+            "heliar",
+            "--flare-table",
+        ],
+        &[&table],
+    ));
+    render.extend(words(&["--out"], &[&folder.path().join("o.png")]));
+    refused_soon(&render, "is no plain file");
+}
+
+/// Footprints around the sample's town, as lines of one of the text formats; `row`: of one feature, by its number and ring.
+fn footprints(count: u32, row: impl Fn(u32, &[[f64; 2]; 5]) -> String) -> String {
+    (0..count)
+        .map(|k| {
+            let (x, y) = (
+                289_100.0 + 20.0 * f64::from(k % 10),
+                4_772_900.0 + 20.0 * f64::from(k / 10),
+            );
+            row(
+                k,
+                &[[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0], [0.0, 0.0]]
+                    .map(|[dx, dy]| [x + dx, y + dy]),
+            )
+        })
+        .collect()
+}
+
+/// A file that was cut while it was copied holds fewer buildings; its reader takes it for whole.
+#[test]
+fn cut_vectors_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("c");
+    let points = |ring: &[[f64; 2]; 5]| ring.map(|[x, y]| format!("{x} {y}\n")).concat();
+    // GMT: the last line is cut. MapInfo: features are missing for rows of the table.
+    let gmt = footprints(60, |k, ring| format!("> -D{k}\n{}", points(ring)));
+    let gmt = format!("# @VGMT1.0 @GPOLYGON\n# @NheightT @Tdouble\n# FEATURE_DATA\n{gmt}");
+    let interchange = |count| {
+        let regions = footprints(count, |_, ring| {
+            format!(
+                "Region 1\n  5\n{}    Pen (1,2,0)\n    Brush (1,0,16777215)\n",
+                points(ring)
+            )
+        });
+        format!(
+            "Version 300\nCharset \"Neutral\"\nDelimiter \",\"\nCoordSys NonEarth Units \"m\" Bounds (0, 0) (1000000, 10000000)\nColumns 1\n  k Integer\nData\n\n{regions}"
+        )
+    };
+    let rows: String = (0..60).map(|k| format!("{k}\n")).collect();
+    let import = |name: &str| {
+        let mut arguments = import_with(&out, &[("--buildings", &folder.path().join(name))]);
+        let field = arguments
+            .iter()
+            .position(|argument| argument == "--height-field")
+            .unwrap();
+        arguments.drain(field..field + 2);
+        arguments.extend(["--buildings-crs", "EPSG:32633"].map(str::to_owned));
+        arguments
+    };
+    for (name, whole, cut) in [
+        (
+            "a.gmt",
+            gmt.clone(),
+            gmt[..gmt.len() * 2 / 3].trim_end().to_owned(),
+        ),
+        ("a.mif", interchange(60), interchange(45)),
+    ] {
+        fs::write(folder.path().join("a.mid"), &rows).unwrap();
+        fs::write(folder.path().join(name), whole).unwrap();
+        let report = rilievo(&import(name));
+        let errors = String::from_utf8_lossy(&report.stderr).into_owned();
+        assert!(report.status.success(), "{name}: {errors}");
+        fs::remove_dir_all(&out).unwrap();
+        fs::write(folder.path().join(name), cut).unwrap();
+        refused_soon(&import(name), "damaged or truncated");
+    }
+}
+
+/// Of a raster whose file was cut GDAL gives zeros for the rest.
+#[test]
+fn cut_rasters_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("c");
+    let raster = folder.path().join("e.img");
+    let side = 64;
+    let header = format!(
+        "ENVI\nsamples = {side}\nlines = {side}\nbands = 1\nheader offset = 0\nfile type = ENVI Standard\ndata type = 4\ninterleave = bsq\nbyte order = 0\nmap info = {{UTM, 1, 1, 288400, 4773800, 25, 25, 33, North,WGS-84}}\n"
+    );
+    fs::write(folder.path().join("e.hdr"), header).unwrap();
+    let samples: Vec<u8> = (0..side * side).flat_map(|_| 215.0_f32.to_le_bytes()).collect();
+    fs::write(&raster, &samples).unwrap();
+    let import = import_with(
+        &out,
+        &[("--terrain", &raster), ("--terrain-crs", Path::new("EPSG:32633"))],
+    );
+    succeed(&import);
+    fs::remove_dir_all(&out).unwrap();
+    fs::write(&raster, &samples[..samples.len() * 3 / 5]).unwrap();
+    refused_soon(&import, "damaged or truncated");
+}
+
+/// Kilobytes that ask for hours.
+#[test]
+fn rasters_ask_for_bounded_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("c");
+    let terrain = sample().join("files/terrain.tif");
+    // A raster of a fifth of a millimetre.
+    let fine = folder.path().join("fine.vrt");
+    fs::write(
+        &fine,
+        format!(
+            "<VRTDataset rasterXSize=\"2000000000\" rasterYSize=\"2000000000\"><SRS>EPSG:32633</SRS><GeoTransform>288900,0.0002,0,4773200,0,-0.0002</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename>{}</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>",
+            terrain.display()
+        ),
+    )
+    .unwrap();
+    refused_soon(&import_with(&out, &[("--terrain", &fine)]), "coarser first");
+    refused_soon(&import_with(&out, &[("--photo", &fine)]), "coarser first");
+    // Twenty mosaics, each of which names the next twice: a million reads.
+    let mut part = terrain.display().to_string();
+    for level in 0..20 {
+        let source = format!(
+            "<SimpleSource><SourceFilename>{part}</SourceFilename><SourceBand>1</SourceBand></SimpleSource>"
+        );
+        let mosaic = folder.path().join(format!("{level}.vrt"));
+        fs::write(
+            &mosaic,
+            format!(
+                "<VRTDataset rasterXSize=\"256\" rasterYSize=\"256\"><SRS>EPSG:32633</SRS><GeoTransform>288400,4,0,4773600,0,-4</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\">{source}{source}</VRTRasterBand></VRTDataset>"
+            ),
+        )
+        .unwrap();
+        part = mosaic.display().to_string();
+    }
+    refused_soon(
+        &import_with(&out, &[("--terrain", Path::new(&part))]),
+        "nested too deep",
+    );
+}
+
+/// What a city's owner put beside its files, or gave other names, stays as it is.
+#[test]
+fn nobodys_files_are_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    // The sample's files over somebody's own.
+    let own = folder.path().join("own");
+    fs::create_dir(&own).unwrap();
+    fs::write(own.join("terrain.tif"), "my survey").unwrap();
+    let message = refused(&words(&["sample"], &[&own]));
+    assert!(
+        message.contains("terrain.tif: exists and is another file"),
+        "{message}"
+    );
+    assert_eq!(fs::read(own.join("terrain.tif")).unwrap(), b"my survey");
+    assert_eq!(fs::read_dir(&own).unwrap().count(), 1);
+
+    // A backup by hard links keeps the buildings that an update takes out.
+    let city = copied(folder.path());
+    let (dataset, backup) = (city.join("buildings.gpkg"), folder.path().join("backup.gpkg"));
+    fs::hard_link(&dataset, &backup).unwrap();
+    let before = fs::read(&backup).unwrap();
+    let mut update = words(&["update"], &[&city]);
+    update.extend(["--delete", "1"].map(str::to_owned));
+    succeed(&update);
+    assert!(fs::read(&backup).unwrap() == before, "the backup was changed");
+    assert!(fs::read(&dataset).unwrap() != before);
+}
+
+/// An import over a city keeps its owner's pictures, and does not replace an edited dataset because its manifest was edited after it.
+#[test]
+fn an_import_keeps_what_the_owner_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = folder.path().join("c");
+    let import = import_with(&city, &[]);
+    succeed(&import);
+    fs::create_dir(city.join("facades")).unwrap();
+    fs::write(city.join("facades/mine.png"), "a picture for rules to come").unwrap();
+    succeed(&import);
+    assert!(city.join("facades/mine.png").is_file());
+
+    let dataset = rusqlite::Connection::open(city.join("buildings.gpkg")).unwrap();
+    dataset
+        .execute_batch("CREATE TABLE notes (text); INSERT INTO notes VALUES ('mine')")
+        .unwrap();
+    drop(dataset);
+    let manifest = city.join("city.toml");
+    let text = fs::read_to_string(&manifest).unwrap();
+    std::thread::sleep(Duration::from_millis(20));
+    fs::write(&manifest, text.replacen("name = \"c\"", "name = \"Town\"", 1)).unwrap();
+    let message = refused(&import);
+    assert!(message.contains("would lose"), "{message}");
+}
+
+/// A coarse tile from another place, or one that is gone, is told.
+#[test]
+fn coarse_tiles_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let opened = City::open(&city).unwrap();
+    let level = 1;
+    let mut tiles = opened.manifest().grid.tiles_of_level(level);
+    let mut next = || tiles.find(|&tile| opened.has(Layer::Buildings, tile)).unwrap();
+    let (a, b) = (next(), next());
+    opened.require_all_tiles().unwrap();
+    let path = |tile: TileId| city.join(format!("buildings/{level}/{}_{}.tif", tile.x, tile.y));
+    let (of_a, of_b) = (fs::read(path(a)).unwrap(), fs::read(path(b)).unwrap());
+    fs::write(path(a), of_b).unwrap();
+    fs::write(path(b), of_a).unwrap();
+    for tile in [a, b] {
+        let error = opened.buildings(tile).unwrap_err().to_string();
+        assert!(error.contains("that of another place"), "{error}");
+    }
+    for layer in [Layer::Buildings, Layer::Terrain] {
+        fs::remove_file(city.join(format!("{}/{level}/{}_{}.tif", layer.name(), a.x, a.y))).unwrap();
+        let error = opened.require_tiles(layer).unwrap_err().to_string();
+        assert!(error.contains(&format!("{}_{}.tif", a.x, a.y)), "{error}");
+    }
+}
