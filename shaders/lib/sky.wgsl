@@ -29,7 +29,10 @@ fn mie_phase(cosine: f32) -> f32 {
 }
 
 // Radiance of a unit direction, the sun's disc left out; below the horizon the planet's through the air before it.
-fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
+fn sky_colour(direction: vec3<f32>) -> vec3<f32> { return air_colour(direction, direction); }
+
+// What the air of the sky in a unit direction sends on by `towards`, a direction of the same azimuth.
+fn air_colour(direction: vec3<f32>, towards: vec3<f32>) -> vec3<f32> {
     let size = vec2<f32>(textureDimensions(sky_view));
     let across = length(direction.xy) * length(frame.sun.xy);
     let cosine = select(1.0, dot(direction.xy, frame.sun.xy) / across, across > 1.0e-7);
@@ -38,7 +41,7 @@ fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
     let uv = (place * (size - 1.0) + 0.5) / size;
     let even = textureSampleLevel(sky_view, imagery_sampler, uv, 0, 0.0).rgb;
     let haze = textureSampleLevel(sky_view, imagery_sampler, uv, 1, 0.0).rgb;
-    return NIGHT_SKY + even + haze * mie_phase(dot(direction, frame.sun.xyz));
+    return NIGHT_SKY + even + haze * mie_phase(dot(towards, frame.sun.xyz));
 }
 
 // A direction, or the horizon under it; of one straight down any.
@@ -77,7 +80,8 @@ fn air_depth(direction: vec3<f32>, t: f32) -> f32 {
     return t * mean;
 }
 
-// What is seen of a radiance at t through the air before it, which has the colour of the sky at the horizon.
+// What is seen of a radiance at t through the air before it, which has the light of the sky at the horizon; its haze sends on less of
+// a low sun's the steeper one looks down.
 fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
-    return mix(sky_colour(above_horizon(direction)), colour, exp(-AIR_PER_M * air_depth(direction, t)));
+    return mix(air_colour(above_horizon(direction), direction), colour, exp(-AIR_PER_M * air_depth(direction, t)));
 }
