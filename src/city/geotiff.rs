@@ -7,7 +7,7 @@ use std::path::Path;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::encoder::colortype::{ColorType, Gray32, Gray32Float, RGBA8};
 use tiff::encoder::compression::DeflateLevel;
-use tiff::encoder::{Compression, TiffEncoder, TiffValue};
+use tiff::encoder::{Compression, Predictor, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 
 use super::CityError;
@@ -83,13 +83,17 @@ pub fn write(path: &Path, pages: &[Page], keys: &GeoKeys) -> Result<(), CityErro
     {
         let mut encoder = TiffEncoder::new(&mut writer).map_err(tile_error)?;
         for page in pages {
-            // What repeats becomes smaller by more searching, a raster of runs by half; the rest is wanted sooner.
-            let level = match page.has_runs {
-                true => DeflateLevel::Balanced,
-                false => DeflateLevel::Fast,
+            // What repeats becomes smaller by more searching, a raster of runs or of heights by half; the rest is wanted sooner.
+            let level = match page.pixels {
+                Pixels::Float(_) => DeflateLevel::Balanced,
+                _ if page.has_runs => DeflateLevel::Balanced,
+                _ => DeflateLevel::Fast,
             };
             encoder = encoder.with_compression(Compression::Deflate(level));
             match &page.pixels {
+                Pixels::Float(values) if !page.has_runs => {
+                    write_page::<Gray32Float, _>(&mut encoder, page, &predicted(values, page.size[0]), keys)
+                }
                 Pixels::Float(values) => write_page::<Gray32Float, _>(&mut encoder, page, values, keys),
                 Pixels::Word(values) => write_page::<Gray32, _>(&mut encoder, page, values, keys),
                 Pixels::Rgba(values) => write_page::<RGBA8, _>(&mut encoder, page, values, keys),
@@ -121,6 +125,11 @@ where
             .encoder()
             .write_tag(Tag::ExtraSamples, &[UNASSOCIATED_ALPHA][..])?;
     }
+    if matches!(page.pixels, Pixels::Float(_)) && !page.has_runs {
+        image
+            .encoder()
+            .write_tag(Tag::Predictor, Predictor::FloatingPoint.to_u16())?;
+    }
     if let Some([west, north, pixel_m]) = page.georeference {
         let directory = image.encoder();
         directory.write_tag(Tag::ModelPixelScaleTag, &[pixel_m, pixel_m, 0.0][..])?;
@@ -134,6 +143,22 @@ where
         }
     }
     image.write_data(values)
+}
+
+/// Rows of numbers as TIFF's floating-point predictor has them (Adobe Photoshop TIFF Technical Note 3): the bytes of a row by their
+/// significance, each less the one before it. Smooth ground packs to a third.
+fn predicted(values: &[f32], width: usize) -> Vec<f32> {
+    let mut rows = Vec::with_capacity(values.len());
+    for row in values.chunks_exact(width) {
+        let planes = (0..4).flat_map(|byte| row.iter().map(move |value| value.to_be_bytes()[byte]));
+        let mut before = 0_u8;
+        let differences: Vec<u8> = planes
+            .map(|byte| byte.wrapping_sub(std::mem::replace(&mut before, byte)))
+            .collect();
+        let (words, _) = differences.as_chunks::<4>();
+        rows.extend(words.iter().map(|&word| f32::from_ne_bytes(word)));
+    }
+    rows
 }
 
 /// Most bytes of a page, unpacked: the two million outline vertices that a tile may have.
