@@ -307,3 +307,203 @@ fn coarse_tiles_are_checked() {
         assert!(error.contains(&format!("{}_{}.tif", a.x, a.y)), "{error}");
     }
 }
+
+/// A city from a stranger whose parts are links: nothing outside it is written or copied.
+#[test]
+fn links_in_a_city_lead_nowhere() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let precious = folder.path().join("precious.txt");
+    fs::write(&precious, "precious").unwrap();
+    let is_intact = || assert_eq!(fs::read(&precious).unwrap(), b"precious");
+
+    // What an import writes over an old city.
+    let city = copied(folder.path());
+    for name in ["import.cache_key.partial", "facades"] {
+        symlink("../precious.txt", city.join(name)).unwrap();
+        let message = refused(&import_with(&city, &[]));
+        assert!(message.contains(name), "{message}");
+        is_intact();
+        fs::remove_file(city.join(name)).unwrap();
+    }
+    // The copy of a dataset that has another name.
+    let pending = city.join("update.commit");
+    fs::create_dir_all(pending.join("buildings/0")).unwrap();
+    fs::copy(city.join("city.toml"), pending.join("city.toml")).unwrap();
+    fs::write(pending.join("plan.toml"), "tiles = []\nbuildings = [3]\n").unwrap();
+    symlink("../../precious.txt", pending.join("dataset.gpkg")).unwrap();
+    fs::hard_link(city.join("buildings.gpkg"), folder.path().join("other.gpkg")).unwrap();
+    let _ = rilievo(&words(&["update"], &[&city]));
+    is_intact();
+    assert!(city.join("buildings.gpkg").symlink_metadata().unwrap().is_file());
+
+    // A marker without end.
+    let staging = folder.path().join("z.partial");
+    fs::create_dir(&staging).unwrap();
+    let marker = fs::File::create(staging.join("import.cache_key")).unwrap();
+    std::io::Write::write_all(&mut &marker, b"rilievo ").unwrap();
+    marker.set_len(6 << 30).unwrap();
+    succeed(&import_with(&folder.path().join("z"), &[]));
+}
+
+/// A dataset whose definition or index makes a change of one footprint endless, or change others.
+#[test]
+fn a_dataset_runs_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let dataset = city.join("buildings.gpkg");
+    let whole = fs::read(&dataset).unwrap();
+    let refused_after = |change: &str| {
+        fs::write(&dataset, &whole).unwrap();
+        let database = rusqlite::Connection::open(&dataset).unwrap();
+        let columns: String = database
+            .query_row(
+                "SELECT sql FROM sqlite_master WHERE name = 'buildings'",
+                (),
+                |row| row.get(0),
+            )
+            .unwrap();
+        assert!(columns.trim_end().ends_with(')'), "{columns}");
+        database.execute_batch(change).unwrap();
+        drop(database);
+        let mut update = words(&["update"], &[&city]);
+        update.extend(["--delete", "1"].map(str::to_owned));
+        let begun = Instant::now();
+        let message = refused(&update);
+        assert!(message.contains("buildings.gpkg"), "{message}");
+        assert!(begun.elapsed() < SOON, "{change}");
+    };
+    let with = |constraint: &str| {
+        format!(
+            "PRAGMA writable_schema = on; UPDATE sqlite_master SET sql = rtrim(sql, ') ') || ', {constraint})' WHERE name = 'buildings'"
+        )
+    };
+    refused_after(&with("CHECK (length(hex(zeroblob(450000000))) > 0)"));
+    refused_after(&with("UNIQUE (geom) ON CONFLICT REPLACE"));
+    refused_after("CREATE INDEX i ON buildings (hex(geom))");
+    // A spatial index of thirty levels in a node or two.
+    refused_after("UPDATE rtree_buildings_geom_node SET data = x'001e' || substr(data, 3) WHERE nodeno = 1");
+}
+
+/// Cut raw files behind other headers.
+#[test]
+fn cut_raw_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("c");
+    let side = 64_usize;
+    let samples: Vec<u8> = (0..side * side).flat_map(|_| 215.0_f32.to_le_bytes()).collect();
+    let [grid, raw, mosaic] = ["e.flt", "r.bin", "r.vrt"].map(|name| folder.path().join(name));
+    fs::write(
+        folder.path().join("e.hdr"),
+        format!(
+            "ncols {side}\nnrows {side}\nxllcorner 288400\nyllcorner 4772200\ncellsize 25\nNODATA_value -9999\nbyteorder LSBFIRST\n"
+        ),
+    )
+    .unwrap();
+    fs::write(
+        &mosaic,
+        format!(
+            "<VRTDataset rasterXSize=\"{side}\" rasterYSize=\"{side}\"><SRS>EPSG:32633</SRS><GeoTransform>288400,25,0,4773800,0,-25</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\" subClass=\"VRTRawRasterBand\"><SourceFilename relativeToVRT=\"1\">r.bin</SourceFilename><ImageOffset>0</ImageOffset><PixelOffset>4</PixelOffset><LineOffset>{}</LineOffset><ByteOrder>LSB</ByteOrder></VRTRasterBand></VRTDataset>",
+            4 * side
+        ),
+    )
+    .unwrap();
+    for (given, data) in [(&grid, &grid), (&mosaic, &raw)] {
+        let import = import_with(
+            &out,
+            &[("--terrain", given), ("--terrain-crs", Path::new("EPSG:32633"))],
+        );
+        fs::write(data, &samples).unwrap();
+        succeed(&import);
+        fs::remove_dir_all(&out).unwrap();
+        fs::write(data, &samples[..samples.len() * 3 / 5]).unwrap();
+        refused_soon(&import, "damaged or truncated");
+    }
+}
+
+/// A terrain across 180 degrees of longitude, and one whose longitudes go on beyond them, are whole.
+#[test]
+fn terrain_across_the_date_line_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let side = 120_usize;
+    let samples: Vec<u8> = (0..side * side).flat_map(|_| 50.0_f32.to_le_bytes()).collect();
+    let square = |k: u32, lon: f64, lat: f64| {
+        let ring = [[0.0, 0.0], [1e-4, 0.0], [1e-4, 1e-4], [0.0, 1e-4], [0.0, 0.0]];
+        let ring = ring
+            .map(|[x, y]| format!("[{:.6},{:.6}]", lon + x, lat + y))
+            .join(",");
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"height_m\":{}}},\"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[[{ring}]]}}}}",
+            5 + k
+        )
+    };
+    for (name, west, places) in [
+        ("a", 179.997, [179.9985, -179.9985]),
+        ("b", 184.997, [-175.0015, 185.0015]),
+    ] {
+        let raster = folder.path().join(format!("{name}.img"));
+        fs::write(&raster, &samples).unwrap();
+        fs::write(
+            folder.path().join(format!("{name}.hdr")),
+            format!(
+                "ENVI\nsamples = {side}\nlines = {side}\nbands = 1\nheader offset = 0\nfile type = ENVI Standard\ndata type = 4\ninterleave = bsq\nbyte order = 0\nmap info = {{Geographic Lat/Lon, 1, 1, {west}, -17, 5e-5, 5e-5, WGS-84}}\n"
+            ),
+        )
+        .unwrap();
+        let footprints = folder.path().join(format!("{name}.geojson"));
+        let features = [square(1, places[0], -17.003), square(2, places[1], -17.0031)].join(",");
+        fs::write(
+            &footprints,
+            format!("{{\"type\":\"FeatureCollection\",\"features\":[{features}]}}"),
+        )
+        .unwrap();
+        let out = folder.path().join(format!("city_{name}"));
+        let mut import = words(&["import", "--height-field", "height_m", "--terrain"], &[&raster]);
+        import.extend(words(&["--buildings"], &[&footprints]));
+        import.extend(words(&["--out"], &[&out]));
+        succeed(&import);
+        let manifest = City::open(&out).unwrap().manifest().clone();
+        assert_eq!(manifest.buildings, 2, "{name}");
+        // Ground over the whole raster: 120 x 5e-5 degrees, 106 km each at that latitude, half of it east of the line.
+        let (bounds, ground) = (manifest.grid.bounds(), City::open(&out).unwrap());
+        let ground = ground.ground();
+        let step_m = 20.0;
+        let widest = (0..(bounds.height() / step_m) as u32).map(|row| {
+            let y = bounds.south + step_m * f64::from(row);
+            let places = (0..(bounds.width() / step_m) as u32).map(|k| bounds.west + step_m * f64::from(k));
+            places
+                .filter(|&x| ground.at(x, y).ok().flatten().is_some())
+                .count()
+        });
+        let widest_m = step_m * widest.max().unwrap_or(0) as f64;
+        assert!((600.0..680.0).contains(&widest_m), "{name}: {widest_m} m");
+    }
+}
+
+/// What is read is not written over, and edited rules for facades stay beside the new ones.
+#[test]
+fn inputs_and_rules_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let flight = folder.path().join("o.png");
+    let views = r#"[{"eye": [288900, 4772600, 400], "look": [289180, 4773000, 215]}]"#;
+    fs::write(&flight, views).unwrap();
+    let mut render = words(&["render"], &[&sample().join("city")]);
+    render.extend(words(&["--path"], &[&flight]));
+    render.extend(words(&["--out"], &[&flight]));
+    assert!(refused(&render).contains("would be written over"));
+    assert_eq!(fs::read_to_string(&flight).unwrap(), views);
+
+    let city = folder.path().join("c");
+    let import = import_with(&city, &[]);
+    succeed(&import);
+    let rules = city.join("facades.toml");
+    let edited = format!("# mine\n{}", fs::read_to_string(&rules).unwrap());
+    fs::write(&rules, &edited).unwrap();
+    let other = folder.path().join("other.toml");
+    fs::write(&other, format!("# other\n{edited}")).unwrap();
+    succeed(&import_with(&city, &[("--facades", &other)]));
+    assert_eq!(
+        fs::read_to_string(city.join("facades.before.toml")).unwrap(),
+        edited
+    );
+}

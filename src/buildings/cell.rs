@@ -107,9 +107,11 @@ pub const CELL: CellFields = CellFields {
 /// held. (Indices in a code have 24 bits.)
 pub const INDEX_LIMIT: usize = 1 << 21;
 /// Most codes in a texel's list: a ray through it tests them all.
-pub const MAX_LIST: usize = 1 << 10;
-/// Most words of all lists of a map: four for each texel that there can be on the densest tiles.
-pub const MAX_LIST_WORDS: usize = 1 << 20;
+pub const MAX_LIST: usize = 1 << 9;
+/// Most edges in a texel's list.
+pub const MAX_LIST_EDGES: usize = 1 << 10;
+/// Most edges in all lists of a map: two for each texel that there is on most tiles.
+pub const MAX_EDGES: usize = 1 << 19;
 
 impl CellKind {
     /// Reads a code.

@@ -7,14 +7,14 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use geo::{CoordsIter, LineString};
 use thiserror::Error;
 
-use super::cell::{Full, INDEX_LIMIT, MAX_LIST, MAX_LIST_WORDS};
+use super::cell::{Full, INDEX_LIMIT, MAX_EDGES, MAX_LIST, MAX_LIST_EDGES};
 use super::map::{OutlineVertex, RoofRecord};
 use super::{Building, BuildingMap, CellKind, Run, facade_coordinates};
 use crate::space::Bounds;
 
 /// A tile holds more outline than a code can index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("more outlines lie over one another in one tile than can be kept")]
+#[error("more outlines cross, or more of one winds through, one place than can be kept")]
 pub struct MapTooLarge;
 
 /// The codes of all texels of a tile, before the empty ones are left out.
@@ -60,15 +60,12 @@ pub fn rasterise(tile: &Bounds, side: usize, buildings: &[&Building]) -> Result<
     };
     for building in without_hidden(buildings) {
         work.add(building);
-        if work.touches.len() + work.inside.len() > MAX_TOUCHES {
+        if work.touches.len() > MAX_EDGES || work.inside.len() > MAX_EDGES {
             return Err(MapTooLarge);
         }
     }
     work.finish()
 }
-
-/// Most meetings of outlines and texels in a tile: some twenty outlines over every texel.
-const MAX_TOUCHES: usize = 1 << 22;
 
 /// Of buildings with the same outline the highest, of equally high ones the first: the others are hidden in it.
 fn without_hidden<'a>(buildings: &[&'a Building]) -> Vec<&'a Building> {
@@ -291,7 +288,7 @@ impl Work {
                 [code] => *code,
                 codes => {
                     let offset = lists.len();
-                    if codes.len() > MAX_LIST || offset + codes.len() >= MAX_LIST_WORDS {
+                    if codes.len() > MAX_LIST || group.len() > MAX_LIST_EDGES {
                         return Err(MapTooLarge);
                     }
                     lists.push(codes.len() as u32);

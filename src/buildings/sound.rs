@@ -1,7 +1,7 @@
 //! Whether a building map from a file may go to a shader.
 
 use super::BuildingMap;
-use super::cell::{CellKind, MAX_LIST, MAX_LIST_WORDS};
+use super::cell::{CellKind, MAX_EDGES, MAX_LIST, MAX_LIST_EDGES};
 use super::map::{TEXEL_EMPTY, TEXEL_MAIN, TEXEL_OWN, TEXELS};
 use crate::material::BuildingMaterial;
 
@@ -74,9 +74,9 @@ impl BuildingMap {
     }
 
     /// Whether the lists that cells name are together no longer than the words: each is named once. Many cells that name one long list
-    /// would cost a reader and a ray their product.
+    /// would cost a reader and a ray their product, and so would codes that all name one outline.
     fn has_lists_of_its_size(&self) -> bool {
-        let mut left = self.words.len().min(MAX_LIST_WORDS);
+        let (mut left, mut edges_left) = (self.words.len(), MAX_EDGES);
         for (_, codes) in self.occupied_blocks() {
             for &code in &codes {
                 let CellKind::List(place) = CellKind::from_code(code) else {
@@ -85,6 +85,18 @@ impl BuildingMap {
                 let length = 1 + self.word(place as usize) as usize;
                 match left.checked_sub(length) {
                     Some(rest) if length <= 1 + MAX_LIST => left = rest,
+                    _ => return false,
+                }
+                let edges = self
+                    .codes(code)
+                    .iter()
+                    .map(|&code| match CellKind::from_code(code) {
+                        CellKind::Run(run) => run.edges as usize,
+                        _ => 0,
+                    });
+                let edges = edges.sum::<usize>();
+                match edges_left.checked_sub(edges) {
+                    Some(rest) if edges <= MAX_LIST_EDGES => edges_left = rest,
                     _ => return false,
                 }
             }

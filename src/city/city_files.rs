@@ -121,6 +121,10 @@ pub fn require_plain_folders(city: &Path, levels: u32) -> Result<(), CityError> 
 pub fn foreign(folder: &Path, names: &[&str]) -> Result<Option<PathBuf>, CityError> {
     for entry in entries(folder)? {
         let name = entry.file_name();
+        // A link would be followed by what reads or replaces the folder's files.
+        if entry.file_type().is_ok_and(|kind| kind.is_symlink()) {
+            return Ok(Some(entry.path()));
+        }
         let layer = Layer::ALL.into_iter().find(|layer| name == layer.name());
         let Some(layer) = layer else {
             if name == PICTURES {

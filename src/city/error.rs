@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use glam::DVec2;
 use thiserror::Error;
 
 use super::import::Setting;
@@ -224,10 +225,12 @@ pub enum CityError {
         extent: String,
     },
     /// A tile has too many vertices.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}, around {:.0} east, {:.0} north", path.display(), place.x, place.y)]
     TileTooLarge {
-        /// The tile.
+        /// The footprints.
         path: PathBuf,
+        /// The tile's centre, metres.
+        place: DVec2,
         /// How many are too many.
         source: MapTooLarge,
     },

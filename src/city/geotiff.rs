@@ -12,6 +12,7 @@ use tiff::tags::Tag;
 
 use super::CityError;
 use super::city_files::open_plain;
+use super::durable::create;
 use crate::space::Crs;
 
 /// Pixel values of one page, row by row from the north.
@@ -78,7 +79,7 @@ pub fn write(path: &Path, pages: &[Page], keys: &GeoKeys) -> Result<(), CityErro
         path: path.to_owned(),
         why: error.to_string(),
     };
-    let file = File::create(&partial).map_err(CityError::file(&partial))?;
+    let file = create(&partial).map_err(CityError::file(&partial))?;
     let mut writer = BufWriter::with_capacity(1 << 20, file);
     {
         let mut encoder = TiffEncoder::new(&mut writer).map_err(tile_error)?;

@@ -11,6 +11,9 @@ use crate::material::{Canvas, FacadeRules, OwnFacade, OwnTiles, facade_from_pict
 /// Its name in a city folder.
 pub const FACADES: &str = "facades.toml";
 
+/// Rules that somebody edited and an import with other ones replaced.
+pub const FACADES_BEFORE: &str = "facades.before.toml";
+
 /// Most bytes of such a file, and of a picture.
 const MAX_BYTES: u64 = 1 << 20;
 const MAX_PICTURE_BYTES: u64 = 16 << 20;
@@ -108,7 +111,9 @@ pub fn write_pictures(city: &Path, pictures: &BTreeMap<String, Vec<u8>>) -> Resu
 /// When one cannot be copied.
 pub fn keep_pictures(from: &Path, to: &Path) -> Result<(), CityError> {
     let [from, to] = [from, to].map(|city| city.join(PICTURES));
-    let Ok(entries) = std::fs::read_dir(&from) else {
+    // A link could lead the reader out of the city.
+    let is_plain = std::fs::symlink_metadata(&from).is_ok_and(|data| data.is_dir());
+    let Some(entries) = is_plain.then(|| std::fs::read_dir(&from).ok()).flatten() else {
         return Ok(());
     };
     for entry in entries.flatten() {

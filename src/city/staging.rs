@@ -7,10 +7,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::city_files::{PICTURES, enclosing_city, foreign, is_city, open_plain};
-use super::durable::sync;
+use super::durable::{sync, write};
 use super::import_lock::ImportLock;
 use super::layer::Layer;
-use super::rules_file::FACADES;
+use super::rules_file::{FACADES, FACADES_BEFORE};
 use super::update::{COMMITTED, CityLock, PARTIAL};
 use super::{City, CityError};
 
@@ -28,10 +28,11 @@ const REPLACED: &str = "rilievo replaced";
 /// The marker while it is written.
 const NEW_KEY: &str = "import.cache_key.partial";
 /// What a city folder holds, beside its layers' folders.
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     "city.toml",
     "buildings.gpkg",
     FACADES,
+    FACADES_BEFORE,
     PICTURES,
     PARTIAL,
     COMMITTED,
@@ -101,7 +102,7 @@ impl Staging {
                 // No import left it: a city that somebody moved there.
                 return Err(CityError::Foreign { path: folder });
             }
-            if fs::read_to_string(&marker).ok().as_deref() != Some(cache_key) {
+            if !holds(&marker, cache_key) {
                 remove_marked(&folder)?;
             }
         }
@@ -157,6 +158,14 @@ impl Staging {
     }
 }
 
+/// Whether a file holds a text and no more.
+fn holds(path: &Path, text: &str) -> bool {
+    let mut known = Vec::new();
+    let limit = text.len() as u64 + 1;
+    let read = open_plain(path).is_ok_and(|file| file.take(limit).read_to_end(&mut known).is_ok());
+    read && known == text.as_bytes()
+}
+
 /// Whether a folder's marker begins so.
 fn has_marker(folder: &Path, begin: &str) -> bool {
     let mut known = Vec::new();
@@ -168,7 +177,7 @@ fn has_marker(folder: &Path, begin: &str) -> bool {
 /// Writes a folder's marker in one step.
 fn write_marker(folder: &Path, text: &str) -> Result<(), CityError> {
     let (marker, partial) = (folder.join(CACHE_KEY), folder.join(NEW_KEY));
-    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, &marker));
+    let written = write(&partial, text.as_bytes()).and_then(|()| fs::rename(&partial, &marker));
     written.map_err(|error| {
         let _ = fs::remove_file(&partial);
         CityError::file(&marker)(error)

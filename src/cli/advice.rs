@@ -85,7 +85,7 @@ fn for_city(error: &CityError) -> Option<String> {
         }
         CityError::TooManyTiles { .. } => "use larger texels (--texel) or a smaller --margin".to_owned(),
         CityError::TileTooLarge { .. } => {
-            "remove outlines that are there many times, or use smaller texels (--texel)".to_owned()
+            "thin them out there, or use smaller texels (--texel)".to_owned()
         }
         CityError::NoBuilding { .. } => "check the ids after --delete".to_owned(),
         CityError::ChangedAndDeleted { .. } => {

@@ -10,7 +10,7 @@ use super::camera_flags::{CameraFlags, sun};
 use super::path_file::read_path;
 use super::pool_flags::{PoolFlags, tell_warnings};
 use super::relief_flags::ReliefFlags;
-use super::values::require_place;
+use super::values::{require_other, require_place};
 use crate::camera::require_f_number;
 use crate::city::City;
 use crate::gpu::Gpu;
@@ -76,6 +76,7 @@ const MAX_FRAMES: f64 = 86_400.0 * 60.0;
 /// Draws every frame that is not there yet, then encodes them.
 pub fn run(args: &FilmArgs) -> Result<(), CommandError> {
     require_place(&args.out)?;
+    require_other(&args.out, &[&args.path])?;
     let is_video = args
         .out
         .extension()

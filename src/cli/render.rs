@@ -8,7 +8,7 @@ use super::CommandError;
 use super::camera_flags::{CameraFlags, sun};
 use super::pool_flags::{PoolFlags, tell_warnings};
 use super::relief_flags::ReliefFlags;
-use super::values::{is_same_file, require_place};
+use super::values::{is_same_file, require_other, require_place};
 use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{
@@ -93,6 +93,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         .collect();
     for (index, path) in written.iter().enumerate() {
         require_place(path)?;
+        require_other(path, &args.path.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         if written[..index].iter().any(|other| is_same_file(other, path)) {
             return Err(CommandError::Argument(format!(
                 "{}: is named for two pictures; give each its own file",

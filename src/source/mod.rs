@@ -2,6 +2,7 @@
 //!
 //! Everything leaves here in metres and in the city's CRS.
 
+mod archive;
 mod crs_choice;
 mod error;
 mod files;

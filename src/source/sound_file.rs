@@ -3,24 +3,22 @@
 //! A pipe keeps its reader waiting and a device never ends; some megabytes of archive may unpack to gigabytes; where each mosaic
 //! names the next one twice, twenty of them are read a million times.
 
-use std::ffi::CString;
 use std::fs::{File, Metadata};
-use std::io::{Error, ErrorKind, Read, Result as IoResult};
+use std::io::{Error, ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
 use super::SourceError;
+use super::archive::unpacked_bytes;
 use super::files::{describes_others, files_described, underlying};
 
 /// Most bytes that an archive may unpack to where that is more than `MAX_UNPACKING` times its own: texts and tables come to a
 /// tenth of it.
-const MAX_UNPACKED: u64 = 1 << 28;
+const MAX_UNPACKED: u64 = 1 << 25;
 const MAX_UNPACKING: u64 = 100;
 
 /// Most reads of files that one read of a mosaic of mosaics may lead to, and the levels from which that is asked.
 const MAX_READS: u64 = 100_000;
 const NESTED: u32 = 2;
-/// Where a seek counts from: the file's end.
-const SEEK_END: i32 = 2;
 /// Levels followed.
 const MAX_LEVELS: u32 = 6;
 
@@ -48,7 +46,7 @@ pub fn require_sound(path: &Path) -> Result<(), SourceError> {
             "copy what it gives into a file, and give that",
         ));
     }
-    if let Some(unpacked) = archive_bytes(&file)
+    if let Some(unpacked) = unpacked_bytes(&file)
         && unpacked > MAX_UNPACKED
         && unpacked / MAX_UNPACKING > data.len()
     {
@@ -79,44 +77,10 @@ pub fn open_regular(path: &Path) -> IoResult<File> {
     }
 }
 
-/// Bytes of all members of a ZIP archive, as its directory tells them; none of another file.
-fn archive_bytes(file: &Path) -> Option<u64> {
-    let mut mark = [0; 4];
-    File::open(file).ok()?.read_exact(&mut mark).ok()?;
-    if mark != *b"PK\x03\x04" {
-        return None;
-    }
-    let folder = in_zip(file);
-    let members = gdal::vsi::read_dir(&folder, true).ok()?;
-    Some(
-        members
-            .iter()
-            .map(|member| member_bytes(&folder.join(member)))
-            .sum(),
-    )
-}
-
 /// GDAL's name for the inside of an archive: `/vsizip/` and the absolute path.
 pub fn in_zip(path: &Path) -> PathBuf {
     let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     PathBuf::from(format!("/vsizip/{}", full.display()))
-}
-
-fn member_bytes(member: &Path) -> u64 {
-    let Ok(name) = CString::new(member.to_string_lossy().as_bytes()) else {
-        return 0;
-    };
-    // SAFETY: the name outlives the calls; the file is GDAL's own, and closed before its handle goes.
-    unsafe {
-        let file = gdal_sys::VSIFOpenL(name.as_ptr(), c"rb".as_ptr());
-        if file.is_null() {
-            return 0;
-        }
-        gdal_sys::VSIFSeekL(file, 0, SEEK_END);
-        let bytes = gdal_sys::VSIFTellL(file);
-        gdal_sys::VSIFCloseL(file);
-        bytes
-    }
 }
 
 /// How many reads of files one read of a mosaic leads to, and over how many levels; one on none for a file that is no mosaic.

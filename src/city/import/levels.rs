@@ -119,6 +119,7 @@ fn parent_map(
     }
     coarser(maps.each_ref().map(Option::as_ref)).map_err(|source| CityError::TileTooLarge {
         path: writer.path(Layer::Buildings, id),
+        place: writer.grid.tile_bounds(id).centre(),
         source,
     })
 }

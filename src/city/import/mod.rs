@@ -44,14 +44,18 @@ use std::path::Path;
 
 use geo::CoordsIter;
 
+use super::durable::write;
 use super::geotiff::GeoKeys;
 use super::ground_cache::GroundCache;
 use super::manifest::FORMAT;
-use super::rules_file::{FACADES, keep_pictures, pictures, read_rules, rules_from_city, write_pictures};
+use super::rules_file::{
+    FACADES, FACADES_BEFORE, keep_pictures, pictures, read_rules, rules_from_city, write_pictures,
+};
 use super::staging::{Staging, changes_of};
 use super::writer::TileWriter;
 use super::{CityError, Manifest};
 use crate::buildings::triangle_bytes;
+use crate::material::FacadeRules;
 use crate::source::{Footprint, HeightRule, require_sound};
 use crate::space::{Crs, TileGrid};
 
@@ -265,11 +269,19 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         });
     }
     let path = folder.join(FACADES);
-    std::fs::write(&path, &rules_text).map_err(CityError::file(&path))?;
+    write(&path, rules_text.as_bytes()).map_err(CityError::file(&path))?;
+    let edited = rules_from_city(&options.out).map(|(_, text)| text);
+    if let Some(edited) = edited
+        .ok()
+        .filter(|text| *text != rules_text && text != FacadeRules::BUILT_IN)
+    {
+        let path = folder.join(FACADES_BEFORE);
+        write(&path, edited.as_bytes()).map_err(CityError::file(&path))?;
+    }
     write_pictures(folder, &facade_pictures)?;
     keep_pictures(&options.out, folder)?;
     let path = folder.join("city.toml");
-    std::fs::write(&path, text).map_err(CityError::file(&path))?;
+    write(&path, text.as_bytes()).map_err(CityError::file(&path))?;
     if let Some(path) = cache_key.changed_file() {
         return Err(CityError::SourceChanged {
             path: path.to_owned(),

@@ -61,13 +61,15 @@ pub fn make_tiles(
         .collect();
     let bar = progress("tiles", tiles.len() as u64);
     let totals = [const { AtomicU64::new(0) }; 3];
+    let footprints = sources.buildings.path();
     tiles
         .par_iter()
         .map(|&id| -> Result<(), CityError> {
             let map = by_tile.get(&id).map(|buildings| {
                 building_map(&plan.grid, id, TILE_TEXELS, buildings).map_err(|source| {
                     CityError::TileTooLarge {
-                        path: writer.path(Layer::Buildings, id),
+                        path: footprints.to_owned(),
+                        place: plan.grid.tile_bounds(id).centre(),
                         source,
                     }
                 })

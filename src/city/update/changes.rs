@@ -380,7 +380,8 @@ fn changed_tiles(
         let map = by_tile.get(&id).map(|buildings| {
             building_map(&manifest.grid, id, manifest.tile_texels, buildings).map_err(|source| {
                 CityError::TileTooLarge {
-                    path: Layer::Buildings.tile_path(city.folder(), id),
+                    path: city.footprint_dataset_path(),
+                    place: manifest.grid.tile_bounds(id).centre(),
                     source,
                 }
             })

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::tile_change::TileChange;
 use crate::buildings::{BuildingMap, coarser, coarser_updated};
-use crate::city::{City, CityError, Layer};
+use crate::city::{City, CityError};
 use crate::space::TileId;
 
 /// The tiles over changed ones whose maps become other ones, level after level.
@@ -58,7 +58,8 @@ fn parent_change(
 ) -> Result<Option<TileChange>, CityError> {
     let children = city.manifest().grid.children(id);
     let too_large = |source| CityError::TileTooLarge {
-        path: Layer::Buildings.tile_path(city.folder(), id),
+        path: city.footprint_dataset_path(),
+        place: city.manifest().grid.tile_bounds(id).centre(),
         source,
     };
     let map = match &before {

@@ -16,7 +16,7 @@ use super::changes::{Changes, UpdateContext};
 use super::tile_change::TileChange;
 use crate::city::city_files::{MAX_TEXT, is_tile_name, read_plain_text};
 use crate::city::codec::write_buildings;
-use crate::city::durable::sync;
+use crate::city::durable::{create, sync, write};
 use crate::city::geotiff::GeoKeys;
 use crate::city::{CityError, Layer, Manifest};
 use crate::source::{FootprintDatasetEditor, FootprintSource, roll_back};
@@ -115,13 +115,13 @@ impl<'a> Transaction<'a> {
         for tile in tiles.iter().filter(|tile| tile.map.is_none()) {
             plan.tiles.push([tile.id.level, tile.id.x, tile.id.y]);
         }
-        let write = |tile: &&TileChange| -> Result<(), CityError> {
+        let write_tile = |tile: &&TileChange| -> Result<(), CityError> {
             let Some(map) = &tile.map else { return Ok(()) };
             let path = Layer::Buildings.tile_path(&self.folder, tile.id);
             let bounds = manifest.grid.tile_bounds(tile.id);
             write_buildings(&path, (tile.id.level, &bounds), map, &keys)
         };
-        tiles.par_iter().try_for_each(write)?;
+        tiles.par_iter().try_for_each(write_tile)?;
         for (name, text) in [
             (PLAN, toml::to_string_pretty(&plan)),
             (MANIFEST, toml::to_string_pretty(manifest)),
@@ -131,7 +131,7 @@ impl<'a> Transaction<'a> {
                 path: path.clone(),
                 why: error.to_string(),
             })?;
-            fs::write(&path, text).map_err(CityError::file(&path))?;
+            write(&path, text.as_bytes()).map_err(CityError::file(&path))?;
         }
         sync(&self.folder)?;
         // What the dataset refuses is refused while the city is the old one.
@@ -221,15 +221,15 @@ fn unshare(path: &Path, copy: &Path) -> Result<(), CityError> {
         use std::os::unix::fs::MetadataExt;
         let data = fs::metadata(path).map_err(CityError::file(path))?;
         if data.nlink() > 1 {
-            let copied = fs::copy(path, copy)
-                .and_then(|_| fs::File::options().append(true).open(copy))
-                .and_then(|file| {
-                    // The time tells whether somebody edited it.
-                    file.set_modified(data.modified()?)?;
-                    file.sync_all()
-                })
-                .and_then(|()| fs::rename(copy, path));
-            return copied.map_err(CityError::file(path));
+            let copied = || {
+                let mut file = create(copy)?;
+                std::io::copy(&mut fs::File::open(path)?, &mut file)?;
+                // The time tells whether somebody edited it.
+                file.set_modified(data.modified()?)?;
+                file.sync_all()?;
+                fs::rename(copy, path)
+            };
+            return copied().map_err(CityError::file(path));
         }
     }
     Ok(())

@@ -65,6 +65,8 @@ pub struct PathError {
 
 /// Most keys of a path: more than a day's flight recorded four times a second.
 const MAX_KEYS: usize = 500_000;
+/// Farther from a CRS's origin than any place on a map, metres.
+const MAX_PLACE_M: f64 = 1e9;
 /// Largest path file, bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
@@ -134,6 +136,16 @@ impl FlightPath {
                 .any(|value| !value.is_finite())
             {
                 return Err(format!("view {number} has a number that is not finite"));
+            }
+            if key
+                .eye
+                .iter()
+                .chain(&key.look)
+                .any(|value| value.abs() > MAX_PLACE_M)
+            {
+                return Err(format!(
+                    "view {number} lies on no map; give metres in the city's CRS"
+                ));
             }
             if key.eye == key.look {
                 return Err(format!(

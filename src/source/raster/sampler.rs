@@ -133,6 +133,13 @@ impl MosaicSampler {
             ys.push(origin.y + j as f64 * step);
         }
         self.file_from_city.points(&mut xs, &mut ys);
+        // Longitudes as the file counts them, which may go on beyond 180 degrees.
+        if let Some(turn) = self.mosaic.crs.units_a_turn() {
+            let centre = 0.5 * (self.mosaic.bounds.west + self.mosaic.bounds.east);
+            for x in &mut xs {
+                *x += turn * ((centre - *x) / turn).round();
+            }
+        }
         let node_pixels: Vec<DVec2> = xs
             .iter()
             .zip(&ys)

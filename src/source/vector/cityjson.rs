@@ -136,6 +136,11 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<OpenedCityJson, SourceEr
         why,
     };
     let text = read_text(virtual_path).map_err(damaged)?;
+    if elements(&text) > MAX_ELEMENTS {
+        return Err(damaged(
+            "it holds more than can be read at once; divide it, for example with cjio".to_owned(),
+        ));
+    }
     let mut city: CityJson =
         serde_json::from_slice(&text).map_err(|error| damaged(format!("CityJSON: {error}")))?;
     let translation_dropped = drop_wrong_translation(&mut city);
@@ -158,6 +163,21 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<OpenedCityJson, SourceEr
         crs,
         translation_dropped,
     })
+}
+
+/// Bytes of memory that a list or an object of a text takes when read, and one of its members, and how many all may take.
+const LIST_BYTES: usize = 128;
+const MEMBER_BYTES: usize = 32;
+const MAX_ELEMENTS: usize = 900_000_000;
+
+/// How much memory a JSON text takes, by its brackets and commas.
+fn elements(text: &[u8]) -> usize {
+    let bytes_of = |&byte: &u8| match byte {
+        b'[' | b'{' => LIST_BYTES,
+        b',' => MEMBER_BYTES,
+        _ => 0,
+    };
+    text.iter().map(bytes_of).sum()
 }
 
 /// Some writers store whole coordinates and still give a translation. The file's own extent tells: where the vertices

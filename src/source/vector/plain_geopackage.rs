@@ -59,6 +59,82 @@ fn names_other_file(journal: &Path) -> std::io::Result<bool> {
     Ok(end == SUPER_JOURNAL)
 }
 
+/// Words in the definition of the layer and of its indices by which a change of a footprint runs something, or changes others.
+const RUNNING: [&str; 5] = ["check", "conflict", "cascade", "zeroblob", "where"];
+/// Fewest cells of a node of a spatial index but the root (SQLite's R*Tree module fills nodes by a third; those of two dimensions have 51).
+const MIN_CELLS: f64 = 17.0;
+
+/// A statement without the names and texts in it, which may be anything.
+fn outside_quotes(sql: &str) -> String {
+    let mut end = None;
+    sql.chars()
+        .map(|letter| match (end, letter) {
+            (Some(quote), _) => {
+                if letter == quote {
+                    end = None;
+                }
+                ' '
+            }
+            (None, '"' | '\'' | '`') => {
+                end = Some(letter);
+                ' '
+            }
+            (None, '[') => {
+                end = Some(']');
+                ' '
+            }
+            _ => letter,
+        })
+        .collect()
+}
+
+/// Why the layer's definition or its spatial index could make a change of a footprint endless; none where they cannot.
+fn fault_of_layer(database: &Connection) -> rusqlite::Result<Option<String>> {
+    let mut list = database.prepare(
+        "SELECT sql FROM sqlite_master WHERE tbl_name = ?1 COLLATE NOCASE AND type IN ('table', 'index')",
+    )?;
+    let definitions: Vec<Option<String>> = list
+        .query_map([LAYER], |row| row.get(0))?
+        .collect::<rusqlite::Result<_>>()?;
+    for sql in definitions.into_iter().flatten() {
+        let plain = outside_quotes(&sql.to_lowercase());
+        let mut words = plain.split(|letter: char| !(letter.is_alphanumeric() || letter == '_'));
+        if let Some(word) = words.find(|word| RUNNING.contains(word)) {
+            return Ok(Some(format!(
+                "its definition has '{word}': a change of a footprint would run it"
+            )));
+        }
+        let is_index = plain.trim_start().starts_with("create") && !plain.contains("table");
+        if is_index && plain.matches('(').count() > 1 {
+            return Ok(Some("an index of it computes what it sorts by".to_owned()));
+        }
+    }
+    let mut list = database.prepare(
+        "SELECT name FROM sqlite_master WHERE type = 'table' AND name LIKE 'rtree\\_%\\_node' ESCAPE '\\'",
+    )?;
+    let indices: Vec<String> = list
+        .query_map((), |row| row.get(0))?
+        .collect::<rusqlite::Result<_>>()?;
+    for name in indices {
+        let name = name.replace('"', "\"\"");
+        // A node begins with the depth of the tree, where it is the root.
+        let query = format!(
+            "SELECT (SELECT count(*) FROM \"{name}\"), (SELECT hex(substr(data, 1, 2)) FROM \"{name}\" WHERE nodeno = 1)"
+        );
+        let (nodes, depth): (f64, Option<String>) =
+            database.query_row(&query, (), |row| Ok((row.get(0)?, row.get(1)?)))?;
+        let depth = depth
+            .and_then(|depth| u32::from_str_radix(&depth, 16).ok())
+            .unwrap_or(0);
+        if f64::from(depth) > 2.0 + nodes.max(1.0).log(MIN_CELLS) {
+            return Ok(Some(
+                "its spatial index is none: it is deeper than its nodes allow".to_owned(),
+            ));
+        }
+    }
+    Ok(None)
+}
+
 /// Refuses a footprint dataset whose layer is no table of its own, or that has virtual tables beyond SQLite's own modules.
 ///
 /// # Errors
@@ -102,6 +178,9 @@ fn fault(path: &Path) -> rusqlite::Result<Option<String>> {
     let column = database.query_row(generated, [LAYER], |row| row.get::<_, String>(0));
     if let Some(column) = column.optional()? {
         return Ok(Some(format!("its column '{column}' is generated, not stored")));
+    }
+    if let Some(why) = fault_of_layer(&database)? {
+        return Ok(Some(why));
     }
     let mut list =
         database.prepare("SELECT name, tbl_name, sql FROM sqlite_master WHERE type = 'trigger'")?;

@@ -161,7 +161,10 @@ impl Crs {
 
     /// The UTM zone (WGS 84) of a place, degrees.
     pub fn utm_of(longitude_deg: f64, latitude_deg: f64) -> Result<Self, CrsError> {
-        let zone = ((longitude_deg + 180.0) / 6.0).floor().clamp(0.0, 59.0) as u32 + 1;
+        let zone = ((longitude_deg + 180.0).rem_euclid(360.0) / 6.0)
+            .floor()
+            .clamp(0.0, 59.0) as u32
+            + 1;
         let base = if latitude_deg < 0.0 { 32700 } else { 32600 };
         Self::from_text(&format!("EPSG:{}", base + zone))
     }
@@ -212,6 +215,16 @@ impl Crs {
                 DVec2::new(metres * (point.y * radians_per_unit).cos(), metres)
             }
             Coordinates::Projected { metres_per_unit, .. } => DVec2::splat(metres_per_unit),
+        }
+    }
+
+    /// Units of longitude once round the globe; none of a projected CRS.
+    pub fn units_a_turn(&self) -> Option<f64> {
+        match self.coordinates {
+            Coordinates::Geographic { radians_per_unit, .. } => {
+                Some(std::f64::consts::TAU / radians_per_unit)
+            }
+            Coordinates::Projected { .. } => None,
         }
     }
 
