@@ -269,7 +269,7 @@ pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, Cit
             .collect(),
     };
     if !map.is_sound() {
-        return Err(damaged(path, "an index points outside the map".to_owned()));
+        return Err(damaged(path, "its tables are not such as an import makes".to_owned()));
     }
     Ok(map)
 }

@@ -19,25 +19,37 @@ const MAX_DIRECTORY: u64 = 1 << 26;
 /// How a gzip file begins (RFC 1952, 2.3.1).
 const GZIP_MARK: [u8; 2] = [0x1f, 0x8b];
 
-/// Bytes of all members of a ZIP archive, or of what a gzip file holds (modulo 4 GiB); none of another file.
-pub fn unpacked_bytes(path: &Path) -> Option<u64> {
+/// What an archive holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Archive {
+    /// Files in it.
+    pub members: u64,
+    /// Their bytes, unpacked; of a gzip file modulo 4 GiB.
+    pub unpacked_bytes: u64,
+}
+
+/// What a ZIP archive or a gzip file holds; none of another file.
+pub fn archive_of(path: &Path) -> Option<Archive> {
     let mut file = File::open(path).ok()?;
     let mut mark = [0; 2];
     file.read_exact(&mut mark).ok()?;
     match mark == GZIP_MARK {
-        true => gzip_bytes(&mut file).ok(),
-        false => zip_bytes(&mut file).ok().flatten(),
+        true => gzip(&mut file).ok(),
+        false => zip(&mut file).ok().flatten(),
     }
 }
 
-fn gzip_bytes(file: &mut File) -> Result<u64> {
+fn gzip(file: &mut File) -> Result<Archive> {
     file.seek(SeekFrom::End(-4))?;
     let mut size = [0; 4];
     file.read_exact(&mut size)?;
-    Ok(u64::from(u32::from_le_bytes(size)))
+    Ok(Archive {
+        members: 1,
+        unpacked_bytes: u64::from(u32::from_le_bytes(size)),
+    })
 }
 
-fn zip_bytes(file: &mut File) -> Result<Option<u64>> {
+fn zip(file: &mut File) -> Result<Option<Archive>> {
     let length = file.metadata()?.len();
     let tail_from = length.saturating_sub(MAX_COMMENT + END_BYTES as u64);
     file.seek(SeekFrom::Start(tail_from))?;
@@ -55,18 +67,23 @@ fn zip_bytes(file: &mut File) -> Result<Option<u64>> {
     file.seek(SeekFrom::Start(from))?;
     let mut directory = Vec::new();
     file.take(size).read_to_end(&mut directory)?;
-    let (mut at, mut bytes) = (0, 0_u64);
+    let mut at = 0;
+    let mut archive = Archive {
+        members: 0,
+        unpacked_bytes: 0,
+    };
     while let Some(entry) = directory.get(at..at + ENTRY_BYTES)
         && entry.starts_with(&ENTRY_MARK)
     {
-        bytes += u64::from(number(entry, ENTRY_UNPACKED_AT));
+        archive.members += 1;
+        archive.unpacked_bytes += u64::from(number(entry, ENTRY_UNPACKED_AT));
         let names = (0..3).map(|k| {
             let place = ENTRY_NAMES_AT + 2 * k;
             usize::from(u16::from_le_bytes([entry[place], entry[place + 1]]))
         });
         at += ENTRY_BYTES + names.sum::<usize>();
     }
-    Ok(Some(bytes))
+    Ok(Some(archive))
 }
 
 fn number(bytes: &[u8], at: usize) -> u32 {
@@ -100,7 +117,7 @@ mod tests {
         let bytes = |content: &[u8]| {
             let path = folder.path().join("a.zip");
             std::fs::write(&path, content).unwrap();
-            unpacked_bytes(&path)
+            archive_of(&path).map(|archive| archive.unpacked_bytes)
         };
         assert_eq!(bytes(&archive(&[3, 5, 700_000_000], "")), Some(700_000_008));
         assert_eq!(bytes(&archive(&[7], "not an archive yet")), Some(7));

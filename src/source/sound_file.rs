@@ -8,13 +8,15 @@ use std::io::{Error, ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
 use super::SourceError;
-use super::archive::unpacked_bytes;
+use super::archive::archive_of;
 use super::files::{describes_others, files_described, underlying};
 
 /// Most bytes that an archive may unpack to where that is more than `MAX_UNPACKING` times its own: texts and tables come to a
 /// tenth of it.
 const MAX_UNPACKED: u64 = 1 << 25;
 const MAX_UNPACKING: u64 = 100;
+/// Most files of an archive: GDAL looks each of them up among all.
+const MAX_MEMBERS: u64 = 10_000;
 
 /// Most reads of files that one read of a mosaic of mosaics may lead to, and the levels from which that is asked.
 const MAX_READS: u64 = 100_000;
@@ -46,7 +48,16 @@ pub fn require_sound(path: &Path) -> Result<(), SourceError> {
             "copy what it gives into a file, and give that",
         ));
     }
-    if let Some(unpacked) = unpacked_bytes(&file)
+    let archive = archive_of(&file);
+    if let Some(archive) = archive
+        && archive.members > MAX_MEMBERS
+    {
+        return Err(unfit(
+            format!("is an archive of {} files", archive.members),
+            "unpack it yourself, and give the file or folder inside",
+        ));
+    }
+    if let Some(unpacked) = archive.map(|archive| archive.unpacked_bytes)
         && unpacked > MAX_UNPACKED
         && unpacked / MAX_UNPACKING > data.len()
     {
