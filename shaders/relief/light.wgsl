@@ -60,7 +60,8 @@ fn grain(plan: vec2<f32>, size: f32) -> f32 {
     let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BLOTCHES;
     let fine = tile_texel(layer, plan / ROOF_M, vec2<f32>(size) / ROOF_M).colour.g;
     let broad = tile_texel(layer, turned / ROOF_M, vec2<f32>(size / BLOTCHES) / ROOF_M).colour.g;
-    let mean = tile_texel(layer, vec2<f32>(0.0), vec2<f32>(1.0)).colour.g;
+    // Of the whole tile: its last level is one texel.
+    let mean = textureLoad(facade_colour, vec2<i32>(0), layer, textureNumLevels(facade_colour) - 1u).g;
     return mix(fine * broad / (mean * mean), 1.0, smoothstep(GRAIN_TO_M.x, GRAIN_TO_M.y, size));
 }
 
