@@ -62,8 +62,11 @@ pub fn coarser_updated(
     }
     let fresh = (0..4).zip(changed);
     let fresh = fresh.filter_map(|(quadrant, child)| Some(Patch::from_child(child??, quadrant)));
-    let unchanged = Patch::from_parent(before, changed.map(|child| child.is_none()));
-    let patches: Vec<Patch> = fresh.chain([unchanged]).collect();
+    let (unchanged, fresh) = rayon::join(
+        || Patch::from_parent(before, changed.map(|child| child.is_none())),
+        || fresh.collect::<Vec<Patch>>(),
+    );
+    let patches: Vec<Patch> = fresh.into_iter().chain([unchanged]).collect();
     assembled(
         (before.side, before.texel_m),
         &patches,

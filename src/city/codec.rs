@@ -269,7 +269,10 @@ pub fn read_buildings(path: &Path, texels: TexelGrid) -> Result<BuildingMap, Cit
             .collect(),
     };
     if !map.is_sound() {
-        return Err(damaged(path, "its tables are not such as an import makes".to_owned()));
+        return Err(damaged(
+            path,
+            "its tables are not such as an import makes".to_owned(),
+        ));
     }
     Ok(map)
 }

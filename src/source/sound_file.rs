@@ -117,6 +117,7 @@ fn reads_of(file: &Path, levels: u32) -> (u64, u32) {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -205,7 +205,7 @@ pub fn from_file(
         counts: Some([added, after.len() as u64 - added, deleted.len() as u64]),
         buildings: left - deleted.len() as u64,
         deleted: deleted.into_iter().collect(),
-        ..replacing(place, (&before, &read_before), (after, read), &named)?
+        ..replacing(place, &dataset, (&before, &read_before), (after, read), &named)?
     })
 }
 
@@ -238,19 +238,19 @@ pub fn by_difference(place: &UpdateContext<'_>, known: &Path) -> Result<Option<C
         counts: None,
         buildings,
         deleted: Vec::new(),
-        ..replacing(place, (&before.0, &before.1), after, &named)?
+        ..replacing(place, &dataset, (&before.0, &before.1), after, &named)?
     }))
 }
 
 /// The tiles and figures of a city in which some buildings become others. `named`: the ids of all of them.
 fn replacing(
     place: &UpdateContext<'_>,
+    dataset: &FootprintSource,
     (before, read_before): (&[Building], &FootprintReport),
     (after, read): (Vec<Building>, FootprintReport),
     named: &BTreeSet<u32>,
 ) -> Result<Changes, CityError> {
     let manifest = place.city.manifest();
-    let dataset = place.city.footprint_dataset()?;
     let touched: BTreeSet<TileId> = before
         .iter()
         .chain(&after)
@@ -265,7 +265,7 @@ fn replacing(
     standing.sort_unstable();
     standing.dedup();
     standing.retain(|fid| !named.contains(fid));
-    let (mut buildings, _) = read_buildings(place, &dataset, Selection::Fids(&standing), |_| {})?;
+    let (mut buildings, _) = read_buildings(place, dataset, Selection::Fids(&standing), |_| {})?;
     buildings.extend(after.iter().cloned());
     buildings.sort_by_key(|building| building.fid);
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);

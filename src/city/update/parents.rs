@@ -25,6 +25,8 @@ pub fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChan
         let ids: BTreeSet<TileId> = changed.keys().map(|id| id.parent()).collect();
         let ids: Vec<_> = ids.into_iter().map(|id| (id, before.remove(&id))).collect();
         let parent = |(id, before): (TileId, Option<BuildingMap>)| {
+            let read = || city.buildings(id).ok().flatten();
+            let before = if level > LEVELS_AT_ONCE { read() } else { before };
             parent_change(city, id, before, &changed).transpose()
         };
         let next = ids.into_par_iter().filter_map(parent);
@@ -35,12 +37,15 @@ pub fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChan
     Ok(parents)
 }
 
-/// The maps over changed tiles as they are, at once; without those that are damaged, which differ from any.
+/// Levels whose maps are read at once: farther up a change of a building or two is hardly ever seen.
+const LEVELS_AT_ONCE: u32 = 3;
+
+/// The maps over changed tiles on the first levels as they are, at once; without those that are damaged, which differ from any.
 fn read_ancestors(city: &City, tiles: &[TileChange]) -> HashMap<TileId, BuildingMap> {
     let mut ids: BTreeSet<TileId> = BTreeSet::new();
     for tile in tiles {
         let mut id = tile.id;
-        for _ in 1..city.manifest().grid.levels() {
+        for _ in 1..city.manifest().grid.levels().min(1 + LEVELS_AT_ONCE) {
             id = id.parent();
             ids.insert(id);
         }

@@ -19,7 +19,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::clean::is_valid;
-use super::footprint_source::require_few_fields;
+use super::footprint_dataset::require_few_fields;
 use crate::source::sound_file::in_zip;
 use crate::source::{SourceError, gdal_reference};
 use crate::space::Crs;

@@ -14,6 +14,9 @@ use crate::space::Crs;
 /// Name of the one layer.
 pub const LAYER: &str = "buildings";
 
+/// Most attributes of a footprint dataset: SQLite has 2000 columns, some of which are the dataset's own.
+const MAX_FIELDS: usize = 1980;
+
 /// Reads a city's footprint dataset.
 pub struct FootprintDataset;
 
@@ -230,4 +233,16 @@ fn field_name(field: &str, taken: &std::collections::HashSet<String>) -> String 
         .into_iter()
         .find(|name| is_free(name))
         .unwrap_or(prefixed)
+}
+
+/// Refuses more attributes than a footprint dataset has room for.
+pub(super) fn require_few_fields(path: &Path, count: usize) -> Result<(), SourceError> {
+    if count <= MAX_FIELDS {
+        return Ok(());
+    }
+    Err(SourceError::Unfit {
+        path: path.to_owned(),
+        what: format!("has {count} attributes, more than the {MAX_FIELDS} that a GeoPackage holds"),
+        advice: "leave some out, with ogr2ogr -select".to_owned(),
+    })
 }

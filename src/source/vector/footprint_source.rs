@@ -8,6 +8,7 @@ use glam::DVec2;
 
 use super::cityjson;
 use super::file_end::require_end;
+use super::footprint_dataset::{LAYER, require_few_fields};
 use super::plain_geopackage::require_plain;
 use crate::source::sound_file::in_zip;
 use crate::source::{CrsChoice, SourceError, SourceRole, gdal_reference, gdal_says, require_sound};
@@ -42,9 +43,6 @@ pub struct FootprintSource {
     /// The driver ends a damaged file like a whole one; its error messages and its own count tell.
     pub(super) reads_past_damage: bool,
 }
-
-/// Most attributes of a footprint dataset: SQLite has 2000 columns, some of which are the dataset's own.
-const MAX_FIELDS: usize = 1980;
 
 /// The column of building ids in a footprint dataset.
 const FID: &str = "fid";
@@ -119,8 +117,11 @@ impl FootprintSource {
                 expected: "footprint dataset",
             });
         }
-        require_plain(path)?;
-        let layer = Some(super::footprint_dataset::LAYER);
+        // What was just written here is nobody else's.
+        if written_in.is_none() {
+            require_plain(path)?;
+        }
+        let layer = Some(LAYER);
         // Nothing else that lies there under its name: a description could name other files and servers.
         let source = Self::open_by(
             path,
@@ -278,18 +279,6 @@ impl FootprintSource {
         names.dedup();
         Ok(names)
     }
-}
-
-/// Refuses more attributes than a footprint dataset has room for.
-pub(super) fn require_few_fields(path: &Path, count: usize) -> Result<(), SourceError> {
-    if count <= MAX_FIELDS {
-        return Ok(());
-    }
-    Err(SourceError::Unfit {
-        path: path.to_owned(),
-        what: format!("has {count} attributes, more than the {MAX_FIELDS} that a GeoPackage holds"),
-        advice: "leave some out, with ogr2ogr -select".to_owned(),
-    })
 }
 
 fn may_hold_areas(defn: &Defn) -> bool {

@@ -14,7 +14,8 @@ pub use geo_area::GeoArea;
 pub use operation::{Accuracy, MissingGrids, Operation, OperationWarning};
 pub use transform::PointTransform;
 
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
 
 use glam::DVec2;
 
@@ -50,6 +51,9 @@ enum Coordinates {
         is_mercator: bool,
     },
 }
+
+/// Definitions that are remembered, at most.
+const MAX_KNOWN: usize = 64;
 
 /// Confidence from which PROJ's guess at a registered CRS is believed, percent: same parameters, another name.
 const SURE_PERCENT: i32 = 90;
@@ -90,9 +94,24 @@ impl Crs {
         (is_code || is_wkt) && !names_files && !has_printed_quotes
     }
 
-    /// Reads `EPSG:n`, WKT, PROJ strings and whatever else PROJ takes for a CRS.
+    /// Reads `EPSG:n`, WKT, PROJ strings and whatever else PROJ takes for a CRS; each once, since PROJ opens its database for it.
     pub fn from_text(text: &str) -> Result<Self, CrsError> {
+        static KNOWN: Mutex<BTreeMap<String, Crs>> = Mutex::new(BTreeMap::new());
         let definition = text.trim();
+        let known = || Some(KNOWN.lock().ok()?.get(definition)?.clone());
+        if let Some(known) = known() {
+            return Ok(known);
+        }
+        let crs = Self::defined_by(definition)?;
+        if let Ok(mut known) = KNOWN.lock()
+            && known.len() < MAX_KNOWN
+        {
+            known.insert(definition.to_owned(), crs.clone());
+        }
+        Ok(crs)
+    }
+
+    fn defined_by(definition: &str) -> Result<Self, CrsError> {
         let is_proj_string = definition.starts_with('+') || definition.starts_with("proj=");
         let object = if is_proj_string && !definition.contains("type=crs") {
             // Without this PROJ reads an operation.
@@ -108,17 +127,12 @@ impl Crs {
             })
     }
 
-    /// Latitude and longitude on WGS 84. PROJ looks it up once.
+    /// Latitude and longitude on WGS 84.
     ///
     /// # Errors
     /// When PROJ does not find its database.
     pub fn wgs84() -> Result<Self, CrsError> {
-        static WGS84: OnceLock<Crs> = OnceLock::new();
-        if let Some(known) = WGS84.get() {
-            return Ok(known.clone());
-        }
-        let made = Self::from_text("EPSG:4326")?;
-        Ok(WGS84.get_or_init(|| made).clone())
+        Self::from_text("EPSG:4326")
     }
 
     fn from_object(object: ProjObject) -> Result<Self, String> {
