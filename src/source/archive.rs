@@ -24,7 +24,7 @@ const GZIP_MARK: [u8; 2] = [0x1f, 0x8b];
 pub struct Archive {
     /// Files in it.
     pub members: u64,
-    /// Their bytes, unpacked; of a gzip file modulo 4 GiB.
+    /// Their bytes, unpacked, without dBASE tables; of a gzip file modulo 4 GiB.
     pub unpacked_bytes: u64,
 }
 
@@ -76,12 +76,18 @@ fn zip(file: &mut File) -> Result<Option<Archive>> {
         && entry.starts_with(&ENTRY_MARK)
     {
         archive.members += 1;
-        archive.unpacked_bytes += u64::from(number(entry, ENTRY_UNPACKED_AT));
-        let names = (0..3).map(|k| {
+        let names = [0, 1, 2].map(|k| {
             let place = ENTRY_NAMES_AT + 2 * k;
             usize::from(u16::from_le_bytes([entry[place], entry[place + 1]]))
         });
-        at += ENTRY_BYTES + names.sum::<usize>();
+        let [name, more, comment] = names;
+        let bytes = directory.get(at + ENTRY_BYTES..).unwrap_or_default();
+        let name_bytes = &bytes[..name.min(bytes.len())];
+        // A dBASE table pads its texts with blanks, which pack to nothing; it is read row by row.
+        if !name_bytes.to_ascii_lowercase().ends_with(b".dbf") {
+            archive.unpacked_bytes += u64::from(number(entry, ENTRY_UNPACKED_AT));
+        }
+        at += ENTRY_BYTES + name + more + comment;
     }
     Ok(Some(archive))
 }

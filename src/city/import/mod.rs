@@ -44,6 +44,7 @@ use std::path::Path;
 
 use geo::CoordsIter;
 
+use super::city_files::{MAX_TEXT, read_plain_text};
 use super::durable::write;
 use super::geotiff::GeoKeys;
 use super::ground_cache::GroundCache;
@@ -270,13 +271,20 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
     }
     let path = folder.join(FACADES);
     write(&path, rules_text.as_bytes()).map_err(CityError::file(&path))?;
+    let mut replaced = read_plain_text(&options.out.join(FACADES_BEFORE), MAX_TEXT).unwrap_or_default();
     let edited = rules_from_city(&options.out).map(|(_, text)| text);
     if let Some(edited) = edited
         .ok()
         .filter(|text| *text != rules_text && text != FacadeRules::BUILT_IN)
     {
+        replaced = match replaced.is_empty() {
+            true => edited,
+            false => format!("{edited}\n# Before that:\n{replaced}"),
+        };
+    }
+    if !replaced.is_empty() {
         let path = folder.join(FACADES_BEFORE);
-        write(&path, edited.as_bytes()).map_err(CityError::file(&path))?;
+        write(&path, replaced.as_bytes()).map_err(CityError::file(&path))?;
     }
     write_pictures(folder, &facade_pictures)?;
     keep_pictures(&options.out, folder)?;

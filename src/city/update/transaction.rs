@@ -31,6 +31,9 @@ const PLAN: &str = "plan.toml";
 /// Footprints that it puts into the dataset.
 const FOOTPRINTS: &str = "footprints.gpkg";
 const MANIFEST: &str = "city.toml";
+/// Bytes of a block as file systems count them, and of holes in a dataset that is copied.
+const SECTOR: u64 = 512;
+const MAX_HOLES: u64 = 64 << 20;
 /// The dataset while it is copied.
 const COPY: &str = "dataset.gpkg";
 
@@ -221,6 +224,13 @@ fn unshare(path: &Path, copy: &Path) -> Result<(), CityError> {
         use std::os::unix::fs::MetadataExt;
         let data = fs::metadata(path).map_err(CityError::file(path))?;
         if data.nlink() > 1 {
+            // To copy what is not there would fill the disk.
+            if data.len() > MAX_HOLES + SECTOR * data.blocks() {
+                return Err(CityError::File {
+                    path: path.to_owned(),
+                    why: "is mostly holes and has other names; make it a file of its own, with cp".to_owned(),
+                });
+            }
             let copied = || {
                 let mut file = create(copy)?;
                 std::io::copy(&mut fs::File::open(path)?, &mut file)?;

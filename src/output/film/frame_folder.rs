@@ -67,6 +67,9 @@ impl FrameFolder {
                 format!("holds frames without {KEY_FILE}, which tells their film; name an empty folder"),
             ));
         }
+        if key_path.is_symlink() {
+            return Err(error(&key_path, "is a link; name an empty folder".to_owned()));
+        }
         let mut options = File::options();
         options.create(true).truncate(false).read(true).write(true);
         let mut key_file = options
@@ -102,7 +105,9 @@ impl FrameFolder {
 
     /// Whether a frame is there.
     pub fn has(&self, frame: u32) -> bool {
-        self.path(frame).is_file()
+        // A link is no frame of ours.
+        let data = fs::symlink_metadata(self.path(frame));
+        data.is_ok_and(|data| data.is_file())
     }
 
     /// Puts a frame in.

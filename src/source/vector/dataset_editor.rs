@@ -73,6 +73,14 @@ impl FootprintDatasetEditor {
                     columns.as_ptr().cast_mut(),
                 );
                 gdal_sys::OGR_F_SetFID(feature.c_feature(), fid as i64);
+                if !is_known {
+                    // What is not said gets the column's default.
+                    for field in 0..gdal_sys::OGR_F_GetFieldCount(feature.c_feature()) {
+                        if gdal_sys::OGR_F_IsFieldNull(feature.c_feature(), field) != 0 {
+                            gdal_sys::OGR_F_UnsetField(feature.c_feature(), field);
+                        }
+                    }
+                }
             }
             if let Some(geometry) = changed.geometry() {
                 feature

@@ -219,13 +219,26 @@ impl FootprintSource {
         }
     }
 
+    /// Names of the layers, without their definitions: for that of a view its rows are asked, which may have no end.
+    fn layer_names(&self) -> Vec<String> {
+        // SAFETY: the dataset is open, its layers live as long, and their names are copied at once.
+        unsafe {
+            let dataset = self.dataset.c_dataset();
+            let layers = (0..gdal_sys::GDALDatasetGetLayerCount(dataset))
+                .map(|index| gdal_sys::GDALDatasetGetLayer(dataset, index))
+                .filter(|layer| !layer.is_null());
+            layers
+                .map(|layer| {
+                    std::ffi::CStr::from_ptr(gdal_sys::OGR_L_GetName(layer))
+                        .to_string_lossy()
+                        .into_owned()
+                })
+                .collect()
+        }
+    }
+
     fn pick_layer(&mut self, wanted: Option<&str>) -> Result<(), SourceError> {
-        let layers: Vec<(String, bool)> = self
-            .dataset
-            .layers()
-            .map(|layer| (layer.name(), may_hold_areas(layer.defn())))
-            .collect();
-        let names = || layers.iter().map(|(name, _)| name.clone()).collect();
+        let names = self.layer_names();
         if self.is_cad {
             // A CAD drawing is one OGR layer; its own layers are an attribute.
             if let Some(name) = wanted {
@@ -244,16 +257,17 @@ impl FootprintSource {
             return Ok(());
         }
         let choice = match wanted {
-            Some(name) => layers.iter().position(|(layer, _)| layer == name),
-            None if self.is_osm => layers.iter().position(|(layer, _)| layer == "multipolygons"),
+            Some(name) => names.iter().position(|layer| layer == name),
+            None if self.is_osm => names.iter().position(|layer| layer == "multipolygons"),
             None => {
-                let mut areas = (0..).zip(&layers).filter(|(_, (_, areas))| *areas);
+                let layers = (0..).zip(self.dataset.layers());
+                let mut areas = layers.filter(|(_, layer)| may_hold_areas(layer.defn()));
                 match (areas.next(), areas.next()) {
                     (Some((index, _)), None) => Some(index),
                     (Some(_), Some(_)) => {
                         return Err(SourceError::SeveralLayers {
                             path: self.path.clone(),
-                            layers: names(),
+                            layers: names,
                         });
                     }
                     _ => None,
@@ -263,7 +277,7 @@ impl FootprintSource {
         self.layer_index = choice.ok_or_else(|| SourceError::NoLayer {
             path: self.path.clone(),
             wanted: wanted.map(str::to_owned),
-            layers: names(),
+            layers: names,
         })?;
         Ok(())
     }

@@ -64,10 +64,10 @@ const NAMES: [&str; 3] = [
     "trigger_delete_feature_count_",
 ];
 
-/// Whether a table can be written to by a trigger of those words, or by a change of the layer.
-pub fn is_reachable(table: &str, layer: &str) -> bool {
+/// Whether a table can be written to by a trigger of those words, or by a change of the layer, which writes to `written`.
+pub fn is_reachable(table: &str, written: &[&str]) -> bool {
     let table = table.to_lowercase();
-    table == layer || is_known(&table)
+    written.contains(&table.as_str()) || is_known(&table)
 }
 
 /// Whether a trigger has those words alone, and its statements do not name the layer but to find its count.
@@ -87,7 +87,15 @@ pub fn is_own_trigger(sql: &str, layer: &str) -> bool {
     let leaves_layer = words[begin..]
         .windows(2)
         .all(|pair| pair[1] != layer || pair[0] == "lower");
-    all_known && leaves_layer
+    // `x IN name` would read all of a table or view.
+    let reads_none = sql.match_indices("in").all(|(at, word)| {
+        let is_letter = |letter: char| letter.is_alphanumeric() || letter == '_';
+        let (before, after) = (&sql[..at], &sql[at + word.len()..]);
+        let is_word = !before.ends_with(is_letter) && !after.starts_with(is_letter);
+        !is_word || after.trim_start().starts_with('(')
+    });
+    let has_comment = sql.contains("--") || sql.contains("/*");
+    all_known && leaves_layer && reads_none && !has_comment
 }
 
 fn is_known(word: &str) -> bool {
@@ -117,10 +125,14 @@ mod tests {
             "WHEN (SELECT count(*) FROM buildings) BEGIN DELETE FROM rtree_more; END",
             r#"BEGIN INSERT INTO rtree_more VALUES ("zeroblob"(1000000000)); END"#,
             "BEGIN DELETE FROM gpkg_contents; END",
+            "BEGIN DELETE FROM rtree_buildings_geom WHERE old.fid IN rtree_v; END",
+            "BEGIN DELETE FROM rtree_buildings_geom WHERE id = 1 /* '; END",
         ] {
             assert!(!is_own_trigger(&format!("{begun}{body}"), "buildings"), "{body}");
         }
-        assert!(is_reachable("Buildings", "buildings") && is_reachable("gpkg_ogr_contents", "buildings"));
-        assert!(!is_reachable("gpkg_tile_matrix", "buildings") && !is_reachable("roads", "buildings"));
+        let written = ["buildings", "gpkg_contents"];
+        assert!(is_reachable("Buildings", &written) && is_reachable("gpkg_ogr_contents", &written));
+        assert!(is_reachable("gpkg_contents", &written) && !is_reachable("roads", &written));
+        assert!(!is_reachable("gpkg_tile_matrix", &written));
     }
 }

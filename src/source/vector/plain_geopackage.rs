@@ -59,54 +59,101 @@ fn names_other_file(journal: &Path) -> std::io::Result<bool> {
     Ok(end == SUPER_JOURNAL)
 }
 
-/// Words in the definition of the layer and of its indices by which a change of a footprint runs something, or changes others.
-const RUNNING: [&str; 5] = ["check", "conflict", "cascade", "zeroblob", "where"];
+/// Tables that a change of a footprint writes to.
+const WRITTEN: [&str; 3] = [LAYER, "gpkg_contents", "gpkg_ogr_contents"];
+/// Functions of SQLite that make much of little or take long; a definition that calls one would run it at each change.
+const COSTLY: [&str; 17] = [
+    "zeroblob",
+    "randomblob",
+    "hex",
+    "unhex",
+    "printf",
+    "format",
+    "replace",
+    "quote",
+    "concat",
+    "concat_ws",
+    "group_concat",
+    "string_agg",
+    "like",
+    "glob",
+    "regexp",
+    "match",
+    "load_extension",
+];
 /// Fewest cells of a node of a spatial index but the root (SQLite's R*Tree module fills nodes by a third; those of two dimensions have 51).
 const MIN_CELLS: f64 = 17.0;
 
-/// A statement without the names and texts in it, which may be anything.
-fn outside_quotes(sql: &str) -> String {
+/// A statement without the names and texts in it, which may be anything; none where it has a comment, in which they may seem to begin.
+fn outside_quotes(sql: &str) -> Option<String> {
     let mut end = None;
-    sql.chars()
-        .map(|letter| match (end, letter) {
+    let mut plain = String::new();
+    let mut before = ' ';
+    for letter in sql.chars() {
+        match (end, letter) {
             (Some(quote), _) => {
                 if letter == quote {
                     end = None;
                 }
-                ' '
+                plain.push(' ');
             }
             (None, '"' | '\'' | '`') => {
                 end = Some(letter);
-                ' '
+                plain.push(' ');
             }
             (None, '[') => {
                 end = Some(']');
-                ' '
+                plain.push(' ');
             }
-            _ => letter,
-        })
-        .collect()
+            (None, '-' | '*') if (before, letter) == ('-', '-') || before == '/' => return None,
+            _ => plain.push(letter),
+        }
+        before = if end.is_some() { ' ' } else { letter };
+    }
+    Some(plain)
 }
 
-/// Why the layer's definition or its spatial index could make a change of a footprint endless; none where they cannot.
-fn fault_of_layer(database: &Connection) -> rusqlite::Result<Option<String>> {
+/// Why a definition could make a change of a footprint long, or change others.
+fn fault_of_definition(kind: &str, sql: &str) -> Option<String> {
+    let lower = sql.to_lowercase();
+    let Some(plain) = outside_quotes(&lower) else {
+        return Some("its definition has a comment".to_owned());
+    };
+    let is_letter = |letter: char| letter.is_alphanumeric() || letter == '_';
+    // A function can be called by a quoted name.
+    let mut calls = lower.match_indices('(').filter_map(|(at, _)| {
+        let name = lower[..at].trim_end().trim_end_matches(['"', '\'', '`', ']']);
+        Some(&name[name.rfind(|letter| !is_letter(letter)).map_or(0, |end| end + 1)..])
+    });
+    if let Some(call) = calls.find(|call| COSTLY.contains(call)) {
+        return Some(format!("its definition calls '{call}'"));
+    }
+    let words: Vec<&str> = plain
+        .split(|letter| !is_letter(letter))
+        .filter(|word| !word.is_empty())
+        .collect();
+    if words.windows(2).any(|pair| pair == ["on", "conflict"]) {
+        return Some("its definition says what becomes of others 'on conflict'".to_owned());
+    }
+    (kind == "index" && plain.matches('(').count() > 1)
+        .then(|| "an index of it computes what it sorts by".to_owned())
+}
+
+/// Why a change of a footprint could be endless, or change others; none where it cannot.
+fn fault_of_writing(database: &Connection) -> rusqlite::Result<Option<String>> {
     let mut list = database.prepare(
-        "SELECT sql FROM sqlite_master WHERE tbl_name = ?1 COLLATE NOCASE AND type IN ('table', 'index')",
+        "SELECT lower(tbl_name), type, sql FROM sqlite_master WHERE type IN ('table', 'index') AND sql IS NOT NULL",
     )?;
-    let definitions: Vec<Option<String>> = list
-        .query_map([LAYER], |row| row.get(0))?
+    let definitions: Vec<[String; 3]> = list
+        .query_map((), |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?]))?
         .collect::<rusqlite::Result<_>>()?;
-    for sql in definitions.into_iter().flatten() {
-        let plain = outside_quotes(&sql.to_lowercase());
-        let mut words = plain.split(|letter: char| !(letter.is_alphanumeric() || letter == '_'));
-        if let Some(word) = words.find(|word| RUNNING.contains(word)) {
+    for [table, kind, sql] in definitions {
+        if WRITTEN.contains(&table.as_str())
+            && let Some(why) = fault_of_definition(&kind, &sql)
+        {
             return Ok(Some(format!(
-                "its definition has '{word}': a change of a footprint would run it"
+                "'{table}': {why}: a change of a footprint would run it"
             )));
-        }
-        let is_index = plain.trim_start().starts_with("create") && !plain.contains("table");
-        if is_index && plain.matches('(').count() > 1 {
-            return Ok(Some("an index of it computes what it sorts by".to_owned()));
         }
     }
     let mut list = database.prepare(
@@ -163,6 +210,11 @@ fn fault(path: &Path) -> rusqlite::Result<Option<String>> {
         if name.eq_ignore_ascii_case(LAYER) && kind != "table" {
             return Ok(Some(format!("its '{name}' are a {kind}, not a table")));
         }
+        // Of a spatial index and its own tables SQLite keeps the order; a change writes to them.
+        let is_index = name.to_ascii_lowercase().starts_with("rtree_");
+        if is_index && kind != "virtual" && kind != "shadow" {
+            return Ok(Some(format!("its '{name}' is a {kind}, not a spatial index")));
+        }
         // GDAL reads these before the layer.
         if kind == "view" && name.to_ascii_lowercase().starts_with("gpkg_") {
             return Ok(Some(format!("its '{name}' is a view, not a table")));
@@ -179,7 +231,7 @@ fn fault(path: &Path) -> rusqlite::Result<Option<String>> {
     if let Some(column) = column.optional()? {
         return Ok(Some(format!("its column '{column}' is generated, not stored")));
     }
-    if let Some(why) = fault_of_layer(&database)? {
+    if let Some(why) = fault_of_writing(&database)? {
         return Ok(Some(why));
     }
     let mut list =
@@ -189,6 +241,6 @@ fn fault(path: &Path) -> rusqlite::Result<Option<String>> {
         .collect::<rusqlite::Result<_>>()?;
     let other = triggers
         .into_iter()
-        .find(|[_, table, sql]| is_reachable(table, LAYER) && !is_own_trigger(sql, LAYER));
+        .find(|[_, table, sql]| is_reachable(table, &WRITTEN) && !is_own_trigger(sql, LAYER));
     Ok(other.map(|[name, ..]| format!("its trigger '{name}' does more than keep index and count; drop it")))
 }
