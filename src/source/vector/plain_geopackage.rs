@@ -121,9 +121,11 @@ fn fault_of_definition(kind: &str, sql: &str) -> Option<String> {
     };
     let is_letter = |letter: char| letter.is_alphanumeric() || letter == '_';
     // A function can be called by a quoted name.
-    let mut calls = lower.match_indices('(').filter_map(|(at, _)| {
+    let mut calls = lower.match_indices('(').map(|(at, _)| {
         let name = lower[..at].trim_end().trim_end_matches(['"', '\'', '`', ']']);
-        Some(&name[name.rfind(|letter| !is_letter(letter)).map_or(0, |end| end + 1)..])
+        name.rsplit(|letter| !is_letter(letter))
+            .next()
+            .unwrap_or_default()
     });
     if let Some(call) = calls.find(|call| COSTLY.contains(call)) {
         return Some(format!("its definition calls '{call}'"));
