@@ -269,6 +269,14 @@ fn an_import_keeps_what_the_owner_made() {
     succeed(&import);
     assert!(city.join("facades/mine.png").is_file());
 
+    // A folder of theirs under a name of the program's.
+    let own = city.join("facades.before.toml");
+    fs::create_dir(&own).unwrap();
+    fs::write(own.join("mine.txt"), "mine").unwrap();
+    assert!(refused(&import).contains("facades.before.toml"));
+    assert!(own.join("mine.txt").is_file());
+    fs::remove_dir_all(&own).unwrap();
+
     let dataset = rusqlite::Connection::open(city.join("buildings.gpkg")).unwrap();
     dataset
         .execute_batch("CREATE TABLE notes (text); INSERT INTO notes VALUES ('mine')")

@@ -10,6 +10,13 @@ use super::layer::Layer;
 /// Folder beside a city's rules with the pictures of facades that they name.
 pub const PICTURES: &str = "facades";
 
+/// Folder of an update in the making.
+pub const PARTIAL: &str = "update.partial";
+/// Folder of an update that holds.
+pub const COMMITTED: &str = "update.commit";
+/// Of what a city may hold at its top the folders, beside those of its layers and pictures.
+const FOLDERS: [&str; 2] = [PARTIAL, COMMITTED];
+
 /// Most bytes of `city.toml` and of an update's plan.
 pub const MAX_TEXT: u64 = 16 << 20;
 
@@ -135,7 +142,8 @@ pub fn foreign(folder: &Path, names: &[&str]) -> Result<Option<PathBuf>, CityErr
                     None => continue,
                 }
             }
-            if names.iter().any(|known| name == **known) {
+            let is_ours = names.iter().any(|known| name == **known);
+            if is_ours && is_folder(&entry) == FOLDERS.iter().any(|folder| name == **folder) {
                 continue;
             }
             return Ok(Some(entry.path()));

@@ -6,12 +6,12 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::city_files::{PICTURES, enclosing_city, foreign, is_city, open_plain};
+use super::city_files::{COMMITTED, PARTIAL, PICTURES, enclosing_city, foreign, is_city, open_plain};
 use super::durable::{sync, write};
 use super::import_lock::ImportLock;
 use super::layer::Layer;
 use super::rules_file::{FACADES, FACADES_BEFORE};
-use super::update::{COMMITTED, CityLock, PARTIAL};
+use super::update::CityLock;
 use super::{City, CityError};
 
 /// A city in the making.

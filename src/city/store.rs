@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::city_files::{MAX_TEXT, read_plain_text, require_plain_folders, tile_place};
+use super::city_files::{COMMITTED, MAX_TEXT, read_plain_text, require_plain_folders, tile_place};
 use super::codec::{self, Lattice, TerrainTile, TexelGrid};
 use super::layer::Layer;
 use super::rules_file::{own_tiles, rules_from_city};
-use super::update::{COMMITTED, Pending};
+use super::update::Pending;
 use super::{CityError, ImageryTile, Manifest, Tile};
 use crate::buildings::BuildingMap;
 use crate::material::{FacadeRules, OwnTiles};

@@ -13,7 +13,7 @@ mod tile_change;
 mod transaction;
 
 pub(super) use lock::{CityLock, is_at};
-pub(super) use transaction::{COMMITTED, PARTIAL, Pending};
+pub(super) use transaction::Pending;
 
 use std::path::PathBuf;
 

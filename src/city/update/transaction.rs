@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::changes::{Changes, UpdateContext};
 use super::tile_change::TileChange;
-use crate::city::city_files::{MAX_TEXT, is_tile_name, read_plain_text};
+use crate::city::city_files::{COMMITTED, MAX_TEXT, PARTIAL, is_tile_name, read_plain_text};
 use crate::city::codec::write_buildings;
 use crate::city::durable::{create, sync, write};
 use crate::city::geotiff::GeoKeys;
@@ -22,10 +22,6 @@ use crate::city::{CityError, Layer, Manifest};
 use crate::source::{FootprintDatasetEditor, FootprintSource, roll_back};
 use crate::space::{Crs, TileId};
 
-/// Folder of an update in the making.
-pub const PARTIAL: &str = "update.partial";
-/// Folder of an update that holds.
-pub const COMMITTED: &str = "update.commit";
 /// What an update takes away.
 const PLAN: &str = "plan.toml";
 /// Footprints that it puts into the dataset.

@@ -5,8 +5,7 @@
 //! attributes `geometry_height`, `geometry_zmin` and `geometry_zmax`, metres.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gdal::vector::{
     Defn, Feature, FieldDefn, FieldValue, Geometry, LayerOptions, OGRFieldType, OGRwkbGeometryType,
@@ -18,9 +17,9 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::cityjson_text::read_text;
 use super::clean::is_valid;
 use super::footprint_dataset::require_few_fields;
-use crate::source::sound_file::in_zip;
 use crate::source::{SourceError, gdal_reference};
 use crate::space::Crs;
 
@@ -93,32 +92,6 @@ struct SemanticSurface {
     kind: String,
 }
 
-/// The path GDAL's file system reads a CityJSON text at, when the file is one (plain or zipped).
-pub fn virtual_path(path: &Path) -> Option<PathBuf> {
-    let name = path.file_name()?.to_string_lossy().to_lowercase();
-    if name.ends_with(".city.json.zip") {
-        let inside = path.file_stem()?.to_owned();
-        return Some(in_zip(path).join(inside));
-    }
-    if !name.ends_with(".json") {
-        return None;
-    }
-    // One too large to be held is told from its beginning, where writers put it.
-    let mut text = Vec::new();
-    let mut file = std::fs::File::open(path).ok()?;
-    let bytes = file.metadata().ok()?.len();
-    let told = if bytes > MAX_TEXT { HEAD } else { bytes };
-    Read::by_ref(&mut file).take(told).read_to_end(&mut text).ok()?;
-    let mark = b"\"CityJSON\"";
-    text.windows(mark.len())
-        .any(|window| window == mark)
-        .then(|| path.to_owned())
-}
-
-/// Most bytes of a CityJSON text, which is read as a whole, and those in which a longer one is told.
-const MAX_TEXT: u64 = 1 << 31;
-const HEAD: u64 = 1 << 16;
-
 /// A CityJSON file as OGR sees it.
 pub struct OpenedCityJson {
     /// The layer `buildings`, in memory.
@@ -136,11 +109,6 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<OpenedCityJson, SourceEr
         why,
     };
     let text = read_text(virtual_path).map_err(damaged)?;
-    if elements(&text) > MAX_ELEMENTS {
-        return Err(damaged(
-            "it holds more than can be read at once; divide it, for example with cjio".to_owned(),
-        ));
-    }
     let mut city: CityJson =
         serde_json::from_slice(&text).map_err(|error| damaged(format!("CityJSON: {error}")))?;
     let translation_dropped = drop_wrong_translation(&mut city);
@@ -165,21 +133,6 @@ pub fn open(path: &Path, virtual_path: &Path) -> Result<OpenedCityJson, SourceEr
     })
 }
 
-/// Bytes of memory that a list or an object of a text takes when read, and one of its members, and how many all may take.
-const LIST_BYTES: usize = 128;
-const MEMBER_BYTES: usize = 32;
-const MAX_ELEMENTS: usize = 900_000_000;
-
-/// How much memory a JSON text takes, by its brackets and commas.
-fn elements(text: &[u8]) -> usize {
-    let bytes_of = |&byte: &u8| match byte {
-        b'[' | b'{' => LIST_BYTES,
-        b',' => MEMBER_BYTES,
-        _ => 0,
-    };
-    text.iter().map(bytes_of).sum()
-}
-
 /// Some writers store whole coordinates and still give a translation. The file's own extent tells: where the vertices
 /// lie in it only without the translation, that is dropped; true when it was.
 fn drop_wrong_translation(city: &mut CityJson) -> bool {
@@ -199,28 +152,6 @@ fn drop_wrong_translation(city: &mut CityJson) -> bool {
         quantisation.translate = [0.0; 3];
     }
     wrong
-}
-
-fn read_text(path: &Path) -> Result<Vec<u8>, String> {
-    if !path.starts_with("/vsizip") {
-        let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-        return match bytes > MAX_TEXT {
-            true => Err("it is larger than 2 GiB; divide it, for example with cjio".to_owned()),
-            false => std::fs::read(path).map_err(|error| error.to_string()),
-        };
-    }
-    use gdal::vsi;
-    let name = path.to_string_lossy();
-    let c_name = std::ffi::CString::new(name.as_bytes()).map_err(|error| error.to_string())?;
-    // GDAL unpacks the member to its memory file system, whose bytes are then ours.
-    let memory = format!("/vsimem/rilievo-{}.json", std::process::id());
-    let c_memory = std::ffi::CString::new(memory.as_bytes()).map_err(|error| error.to_string())?;
-    // SAFETY: both names are valid C strings for the call.
-    let copied = unsafe { gdal_sys::CPLCopyFile(c_memory.as_ptr(), c_name.as_ptr()) };
-    if copied != 0 {
-        return Err(format!("no member {name} in the archive"));
-    }
-    vsi::get_vsi_mem_file_bytes_owned(&memory).map_err(|error| error.to_string())
 }
 
 /// `EPSG:n` of an OGC name such as `https://www.opengis.net/def/crs/EPSG/0/7415` or `urn:ogc:def:crs:EPSG::7415`.

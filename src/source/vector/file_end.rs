@@ -92,6 +92,22 @@ fn fault_of_table(path: &Path) -> Result<Option<String>> {
         .then(|| format!("its last row, number {rows}, has {last} columns, all others {fewest} or more")))
 }
 
+/// Rows of the table beside a MapInfo interchange file, one for each of its features; 0 of any other file.
+pub fn rows_beside(path: &Path) -> u64 {
+    let is_interchange = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("mif"));
+    let table = ["mid", "MID"].map(|ending| path.with_extension(ending));
+    let table = table.iter().find(|table| table.is_file());
+    let lines = |file| BufReader::new(file).split(b'\n').map_while(Result::ok);
+    let file = table
+        .filter(|_| is_interchange)
+        .and_then(|table| File::open(table).ok());
+    file.map_or(0, |file| {
+        lines(file).filter(|line| !line.trim_ascii().is_empty()).count() as u64
+    })
+}
+
 /// A file whose quotation marks are counted as it is read.
 struct Quotes {
     file: File,

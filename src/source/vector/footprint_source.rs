@@ -7,6 +7,7 @@ use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use glam::DVec2;
 
 use super::cityjson;
+use super::cityjson_text::virtual_path;
 use super::file_end::require_end;
 use super::footprint_dataset::{LAYER, require_few_fields};
 use super::plain_geopackage::require_plain;
@@ -60,7 +61,7 @@ impl FootprintSource {
         drivers: Option<&[&str]>,
     ) -> Result<Self, SourceError> {
         require_sound(path)?;
-        let city = cityjson::virtual_path(path)
+        let city = virtual_path(path)
             .map(|virtual_path| cityjson::open(path, &virtual_path))
             .transpose()?;
         let is_cityjson = city.is_some();

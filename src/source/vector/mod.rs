@@ -1,6 +1,7 @@
 //! Footprints: any vector format OGR reads, and CityJSON.
 
 mod cityjson;
+mod cityjson_text;
 mod clean;
 mod file_end;
 mod dataset_editor;

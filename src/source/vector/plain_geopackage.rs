@@ -189,12 +189,16 @@ fn fault_of_writing(database: &Connection) -> rusqlite::Result<Option<String>> {
 /// # Errors
 /// Then, and when it is no database.
 pub fn require_plain(path: &Path) -> Result<(), SourceError> {
-    let fault = fault(path).unwrap_or_else(|error| Some(error.to_string()));
-    match fault {
-        None => Ok(()),
-        Some(why) => Err(SourceError::Open {
+    match fault(path) {
+        Ok(None) => Ok(()),
+        Ok(Some(what)) => Err(SourceError::Unfit {
             path: path.to_owned(),
-            why,
+            what,
+            advice: "a city's dataset holds footprints and runs nothing; take that out of it, with a GIS or sqlite3".to_owned(),
+        }),
+        Err(error) => Err(SourceError::Open {
+            path: path.to_owned(),
+            why: error.to_string(),
             expected: "GeoPackage",
         }),
     }

@@ -1,10 +1,7 @@
 //! The stream of cleaned footprints that an opened file gives.
 
 use std::collections::{BTreeMap, HashSet};
-use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{BufRead, BufReader};
-use std::path::Path;
 
 use gdal::vector::{Feature, Layer, LayerAccess, OGRwkbGeometryType};
 use geo::MultiPolygon;
@@ -13,6 +10,7 @@ use rayon::prelude::*;
 use super::clean::{CleanReport, clean_outline};
 use super::dataset_editor::columns_of;
 use super::feature::{collect_polygons, column_text};
+use super::file_end::rows_beside;
 use super::footprint_source::FeatureIds;
 use super::heights::{HeightReader, ReadHeight};
 use super::outline::Outline;
@@ -307,22 +305,6 @@ impl FootprintSource {
             )
             .collect()
     }
-}
-
-/// Rows of the table beside a MapInfo interchange file, one for each of its features; 0 of any other file.
-fn rows_beside(path: &Path) -> u64 {
-    let is_interchange = path
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("mif"));
-    let table = ["mid", "MID"].map(|ending| path.with_extension(ending));
-    let table = table.iter().find(|table| table.is_file());
-    let lines = |file| BufReader::new(file).split(b'\n').map_while(Result::ok);
-    let file = table
-        .filter(|_| is_interchange)
-        .and_then(|table| File::open(table).ok());
-    file.map_or(0, |file| {
-        lines(file).filter(|line| !line.trim_ascii().is_empty()).count() as u64
-    })
 }
 
 /// A number without a fraction; OGR would take `3.7` for 3 and a word for 0.
