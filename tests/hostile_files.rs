@@ -398,6 +398,48 @@ fn a_dataset_runs_nothing() {
     refused_after("UPDATE rtree_buildings_geom_node SET data = x'001e' || substr(data, 3) WHERE nodeno = 1");
 }
 
+/// What honest owners add to a dataset is none of that: a new building gets the defaults of columns that it does not name.
+#[test]
+fn honest_definitions_are_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = copied(folder.path());
+    let dataset = city.join("buildings.gpkg");
+    let database = rusqlite::Connection::open(&dataset).unwrap();
+    database
+        .execute_batch(
+            "ALTER TABLE buildings ADD COLUMN conflict TEXT;
+             ALTER TABLE buildings ADD COLUMN note TEXT NOT NULL DEFAULT 'none';
+             ALTER TABLE buildings ADD COLUMN floors INTEGER CHECK (floors >= 0);
+             CREATE INDEX high ON buildings (height_m) WHERE height_m IS NOT NULL;
+             CREATE VIEW few AS SELECT fid FROM buildings",
+        )
+        .unwrap();
+    drop(database);
+    succeed(&words(&["update"], &[&city]));
+    let footprints = folder.path().join("new.geojson");
+    let ring = "[[289230,4773050],[289240,4773050],[289240,4773060],[289230,4773060],[289230,4773050]]";
+    fs::write(
+        &footprints,
+        format!(
+            "{{\"type\":\"FeatureCollection\",\"features\":[{{\"type\":\"Feature\",\"properties\":{{\"fid\":90001,\"height_m\":9}},\"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[{ring}]}}}}]}}"
+        ),
+    )
+    .unwrap();
+    let mut update = words(&["update"], &[&city]);
+    update.extend(words(
+        &["--buildings-crs", "EPSG:32633", "--buildings"],
+        &[&footprints],
+    ));
+    succeed(&update);
+    let database = rusqlite::Connection::open(&dataset).unwrap();
+    let note: String = database
+        .query_row("SELECT note FROM buildings WHERE fid = 90001", (), |row| {
+            row.get(0)
+        })
+        .unwrap();
+    assert_eq!(note, "none");
+}
+
 /// Another layer of a dataset is not looked at: a view may have rows without end.
 #[test]
 fn other_layers_are_not_looked_at() {
