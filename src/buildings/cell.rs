@@ -103,7 +103,7 @@ pub const CELL: CellFields = CellFields {
     edges_mask: 15,
     index_mask: (1 << 24) - 1,
 };
-/// Fewer vertices, roofs and words than these a map has: thirty times those of the densest tile that was met, and few enough to be
+/// Fewer vertices, roofs and words than these a map has: ten times those of the densest tile that was met, and few enough to be
 /// held. (Indices in a code have 24 bits.)
 pub const INDEX_LIMIT: usize = 1 << 21;
 /// Most codes in a texel's list: a ray through it tests them all.
