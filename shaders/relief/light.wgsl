@@ -26,18 +26,20 @@ struct Imagery {
     colour: vec4<f32>,
     // Its texels in a pixel: fewer than one where it is enlarged.
     texels: f32,
+    // Whether a tile stands there, be it empty at the place.
+    has_tile: bool,
 }
 
 // Imagery at an eye-relative position. `size`: of a pixel on the surface, metres.
 fn imagery_at(plan: vec2<f32>, size: f32) -> Imagery {
     let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + plan) / frame.tile_m));
     let entry = imagery_entry(tile);
-    if entry.slot < 0 { return Imagery(vec4<f32>(0.0), 1.0); }
+    if entry.slot < 0 { return Imagery(vec4<f32>(0.0), 1.0, false); }
     let tile_m = level_tile_m(entry.level);
     let uv = (plan - tile_corner(tile_over(tile, entry.level))) / tile_m;
     let texels = size * frame.imagery_side / tile_m;
     let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), entry.slot, log2(max(texels, 1.0)));
-    return Imagery(colour, texels);
+    return Imagery(colour, texels, true);
 }
 
 // Width of a pixel on a surface that the ray meets with the cosine `facing`, metres: between that across and that along the ray.
@@ -46,53 +48,8 @@ fn pixel_size(pixel_m: f32, facing: f32) -> f32 { return pixel_m / sqrt(max(abs(
 // Places counted from the city's corner, so that they stay where they are and run on over the tiles.
 fn plan_of(at: vec2<f32>) -> vec2<f32> { return vec2<f32>(frame.eye_tile) * frame.tile_m + frame.eye_in_tile + at; }
 
-// Blotches by the grain that they are made of.
-const BLOTCHES: f32 = 7.0;
-// Widths of a pixel between which both fade, metres: from farther away their repetition would be seen.
-const GRAIN_TO_M: vec2<f32> = vec2<f32>(0.08, 0.3);
-// How much of both enlarged imagery gets.
+// How much of bare ground's grain enlarged imagery gets.
 const ENLARGED_GRAIN: f32 = 0.6;
-
-// Grain and blotches of ground that no survey tells: how light it is by its mean. A tile of gravel in two sizes, turned against each
-// other so that its repetition is not seen.
-fn grain(plan: vec2<f32>, size: f32) -> f32 {
-    let layer = FACADE_LAYERS + GRAVEL;
-    let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BLOTCHES;
-    let fine = tile_texel(layer, plan / ROOF_M, vec2<f32>(size) / ROOF_M).colour.g;
-    let broad = tile_texel(layer, turned / ROOF_M, vec2<f32>(size / BLOTCHES) / ROOF_M).colour.g;
-    // Of the whole tile: its last level is one texel.
-    let mean = textureLoad(facade_colour, vec2<i32>(0), layer, textureNumLevels(facade_colour) - 1u).g;
-    return mix(fine * broad / (mean * mean), 1.0, smoothstep(GRAIN_TO_M.x, GRAIN_TO_M.y, size));
-}
-
-// Paper-like ground where the survey has no imagery: warm grey with contour lines, as on a plan.
-const PAPER: vec3<f32> = vec3<f32>(0.37, 0.352, 0.305);
-const CONTOUR: vec3<f32> = vec3<f32>(0.23, 0.175, 0.12);
-// Metres between contours near by; every fifth is bolder. Width of a line, metres and pixels at least.
-const CONTOUR_M: f32 = 2.0;
-const LINE_M: f32 = 0.35;
-const LINE_PIXELS: f32 = 1.2;
-// Width of a pixel up to which no lines are drawn, metres.
-const NEAR_PIXEL_M: f32 = 0.03;
-
-// How much of a pixel contours of an interval cover. `slope`: metres a metre.
-fn contour(height: f32, interval: f32, slope: f32, pixel_m: f32) -> f32 {
-    let away = abs(height - round(height / interval) * interval) / max(slope, 1.0e-3);
-    let width = max(LINE_M, LINE_PIXELS * pixel_m);
-    // On level ground a contour would be an area; far away lines would merge, and who stands on the ground sees no plan.
-    let spacing = interval / max(slope, 1.0e-3);
-    let fades = smoothstep(0.01, 0.04, slope) * smoothstep(4.0, 10.0, spacing / width) * smoothstep(NEAR_PIXEL_M, 3.0 * NEAR_PIXEL_M, pixel_m);
-    return fades * (1.0 - smoothstep(0.5 * width - 0.5 * pixel_m, 0.5 * width + 0.5 * pixel_m, away));
-}
-
-fn bare_ground(height: f32, normal: vec3<f32>, size: f32) -> vec3<f32> {
-    let slope = length(normal.xy) / max(normal.z, 0.05);
-    let lines = max(
-        max(0.45 * contour(height, CONTOUR_M, slope, size), 0.75 * contour(height, 5.0 * CONTOUR_M, slope, size)),
-        0.75 * contour(height, 25.0 * CONTOUR_M, slope, size),
-    );
-    return mix(PAPER, CONTOUR, lines);
-}
 
 // What the ground before a wall gets of the open ground's light, for the shadows on it. An estimate.
 const GROUND_OPEN: f32 = 0.75;
@@ -175,11 +132,13 @@ fn mirrored(direction: vec3<f32>, normal: vec3<f32>, below_roof: f32, in_sun: bo
 // Reflectance of the land beyond the survey, for cities with imagery.
 const LAND: vec3<f32> = vec3<f32>(0.22, 0.225, 0.12);
 
+fn has_orthophotos() -> bool { return frame.wall_light.w > 0.0; }
+
 // What is seen past the city: the sky, and below the horizon land at the city's lowest ground that runs on into the haze.
 fn beyond(direction: vec3<f32>) -> vec3<f32> {
     if direction.z >= 0.0 || frame.min_ground >= 0.0 { return sky_colour(direction) + sun_disc(direction); }
     let up = vec3<f32>(0.0, 0.0, 1.0);
-    let land = select(PAPER, LAND, frame.wall_light.w > 0.0);
+    let land = select(OPEN_LAND, LAND, has_orthophotos());
     let light = sky_irradiance(up) + frame.sun_irradiance.xyz * max(frame.sun.z, 0.0);
     return through_haze(land / PI * light, direction, frame.min_ground / direction.z);
 }
@@ -228,11 +187,12 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let size = pixel_size(pixel_m, dot(direction, normal));
         let seen = imagery_at(at.xy, size);
         let shown = min(seen.colour.a / 0.87, 1.0);
-        let albedo = mix(bare_ground(at.z + frame.eye_elevation, normal, size), seen.colour.rgb, shown);
+        let has_plan = seen.has_tile && !has_orthophotos();
+        let bare = bare_ground(plan_of(at.xy), at.z + frame.eye_elevation, normal, size, has_plan);
         // Where the imagery tells no more.
         let enlarged = 1.0 - smoothstep(0.25, 1.0, seen.texels);
-        let grained = mix(1.0, grain(plan_of(at.xy), size), mix(1.0, ENLARGED_GRAIN * enlarged, shown));
-        material = Material(albedo * grained, normal, 0.0, 0.0);
+        let photographed = seen.colour.rgb * mix(1.0, bare.lightness, ENLARGED_GRAIN * enlarged);
+        material = Material(mix(bare.albedo, photographed, shown), normal, 0.0, 0.0);
     }
     let random = sample_numbers(pixel, frame.sample);
     let start = lifted(at, normal, is_ground);

@@ -130,6 +130,28 @@ impl Pyramid {
         self.low
     }
 
+    /// The part of each of `across` x `across` squares of the tile of whose blocks buildings stand on, 0 to 255, row by row from the south.
+    pub fn coverage(&self, across: usize) -> Vec<u8> {
+        let nodes = Self::nodes_across(self.side, 1);
+        // Squares a node, or nodes a square, along a side.
+        let (finer, coarser) = ((across / nodes).max(1), (nodes / across).max(1));
+        let mut counts = vec![0_u32; across * across];
+        for (k, node) in self.nodes[..nodes * nodes].iter().enumerate() {
+            let occupied: u32 = node.iter().map(|&row| occupied_bytes(row)).sum();
+            let first = [k % nodes, k / nodes].map(|place| place * finer / coarser);
+            for y in first[1]..(first[1] + finer).min(across) {
+                for count in &mut counts[y * across..][first[0]..(first[0] + finer).min(across)] {
+                    *count += occupied;
+                }
+            }
+        }
+        let all = (CHILDREN * CHILDREN * coarser * coarser) as u32;
+        counts
+            .into_iter()
+            .map(|count| (255 * count / all) as u8)
+            .collect()
+    }
+
     /// Highest roof of the tile, metres; negative infinity without buildings.
     pub fn max_height(&self) -> f32 {
         self.high
@@ -154,6 +176,12 @@ impl Pyramid {
         let byte = (node[row % CHILDREN] >> (8 * (column % CHILDREN))) & 255;
         self.bound_of(byte as u8)
     }
+}
+
+/// How many of a word's bytes are not 0.
+fn occupied_bytes(word: u32) -> u32 {
+    const LOW: u32 = 0x7f7f_7f7f;
+    ((((word & LOW) + LOW) | word) & !LOW).count_ones()
 }
 
 #[cfg(test)]
@@ -198,6 +226,16 @@ mod tests {
             let step = (pyramid.max_height() - low) / STEPS;
             for level in 1..=Pyramid::top_level(side) {
                 let children = Pyramid::children_across(side, level);
+                if level == 1 && children >= 16 {
+                    let in_square = |k: usize| {
+                        let per = children / 16;
+                        let block = |b: usize| [k % 16 * per + b % per, k / 16 * per + b / per];
+                        let holds = |b: &usize| pyramid.bound(1, block(*b)[0], block(*b)[1]).is_finite();
+                        (255 * (0..per * per).filter(holds).count() / (per * per)) as u8
+                    };
+                    let expected: Vec<u8> = (0..256).map(in_square).collect();
+                    assert_eq!(pyramid.coverage(16), expected, "side {side}");
+                }
                 let mut highest = vec![f32::NEG_INFINITY; children * children];
                 for (cell, &code) in cells.iter().enumerate() {
                     assert_eq!(

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! traits, height, area ─▶ facade_rules ─▶ building_material (a code in the building map)
-//! facade_style, roof_style ─▶ facade_painter, roof_painter | own_facade (pictures) ─▶ textures
+//! facade_style, roof_style ─▶ facade_painter, roof_painter, ground_painter | own_facade (pictures) ─▶ textures
 //! ```
 
 mod brickwork;
@@ -11,6 +11,7 @@ mod canvas;
 mod facade_painter;
 mod facade_rules;
 mod facade_style;
+mod ground_painter;
 mod noise;
 mod openings;
 mod own_facade;
@@ -22,6 +23,7 @@ pub use canvas::{Canvas, MAX_SLOPE, TILE_SIZE, WALL_GREY};
 pub use facade_painter::{FacadeBand, paint_facade};
 pub use facade_rules::{FacadeRules, RulesError};
 pub use facade_style::{FacadeStyle, RoofStyle};
+pub use ground_painter::paint_ground;
 pub use own_facade::{MAX_OWN_FACADES, OwnFacade, facade_from_picture};
 pub use roof_painter::{ROOF_M, paint_roof};
-pub use textures::{FACADE_LAYERS, MaterialTextures, OWN_LAYERS, OwnTiles};
+pub use textures::{FACADE_LAYERS, GROUND_LAYER, MaterialTextures, OWN_LAYERS, OwnTiles};

@@ -1,10 +1,11 @@
-//! All facades and roofs in two array textures on the device: a layer a band of a facade, a layer a roof, then the bands of the user's own
-//! facades.
+//! All facades and roofs in two array textures on the device: a layer a band of a facade, a layer a roof, the ground's, then the bands of
+//! the user's own facades.
 
 use rayon::prelude::*;
 
 use super::canvas::{Canvas, TILE_SIZE, WALL_GREY};
 use super::facade_painter::{FacadeBand, paint_facade};
+use super::ground_painter::paint_ground;
 use super::roof_painter::paint_roof;
 use super::{FacadeStyle, RoofStyle};
 use crate::gpu::{Gpu, GpuError, LayerPool, filled_texture};
@@ -12,8 +13,11 @@ use crate::gpu::{Gpu, GpuError, LayerPool, filled_texture};
 /// Layers of facades: the roofs' stand behind them.
 pub const FACADE_LAYERS: u32 = (FacadeStyle::ALL.len() * FacadeBand::ALL.len()) as u32;
 
+/// The layer of bare ground, behind the roofs'.
+pub const GROUND_LAYER: u32 = FACADE_LAYERS + RoofStyle::ALL.len() as u32;
+
 /// Layers before those of the user's own facades.
-pub const OWN_LAYERS: u32 = FACADE_LAYERS + RoofStyle::ALL.len() as u32;
+pub const OWN_LAYERS: u32 = GROUND_LAYER + 1;
 
 /// A facade of the user's own: its tiles, a band each, and the width of a bay, metres.
 pub struct OwnTiles {
@@ -47,6 +51,7 @@ impl MaterialTextures {
             .into_par_iter()
             .map(|(style, band)| paint_facade(style, band));
         let painted = painted.chain(RoofStyle::ALL.into_par_iter().map(paint_roof));
+        let painted = painted.chain(rayon::iter::once(()).map(|()| paint_ground()));
         let mut tiles: Vec<_> = painted.map(|canvas: Canvas| canvas.levels()).collect();
         tiles.extend(own.iter().flat_map(|facade| &facade.bands).map(Canvas::levels));
         let size = TILE_SIZE.map(|side| side as u32);

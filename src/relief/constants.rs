@@ -6,7 +6,8 @@ use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
 use crate::material::{
-    FACADE_LAYERS, FacadeBand, FacadeStyle, MAX_SLOPE, OWN_LAYERS, ROOF_M, RoofStyle, TILE_SIZE, WALL_GREY,
+    FACADE_LAYERS, FacadeBand, FacadeStyle, GROUND_LAYER, MAX_SLOPE, OWN_LAYERS, ROOF_M, RoofStyle,
+    TILE_SIZE, WALL_GREY,
 };
 use crate::scene::{POOL_QUADS, POOL_WORDS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
 use crate::space::atmosphere::MIE_G;
@@ -46,6 +47,7 @@ pub const CONSTANTS: &[Constant] = &[
     ("GROUND_BLOCKS", ConstantValue::Int(GroundBounds::BLOCKS as i32)),
     ("FACADE_BANDS", ConstantValue::Uint(FacadeBand::ALL.len() as u32)),
     ("FACADE_LAYERS", ConstantValue::Uint(FACADE_LAYERS)),
+    ("GROUND_LAYER", ConstantValue::Uint(GROUND_LAYER)),
     ("OWN_LAYERS", ConstantValue::Uint(OWN_LAYERS)),
     ("FACADES", ConstantValue::Uint(FacadeStyle::ALL.len() as u32)),
     ("GRAVEL", ConstantValue::Uint(RoofStyle::Gravel as u32)),

@@ -12,7 +12,7 @@ use crate::gpu::{
     texture, texture_array,
 };
 use crate::material::{MaterialTextures, OwnTiles};
-use crate::scene::ImageryPool;
+use crate::scene::Resident;
 
 /// The pipeline.
 pub struct LightPass {
@@ -30,8 +30,8 @@ pub struct LightPass {
 
 impl LightPass {
     /// Group 2: the ground's distance and normal, the buildings' surface and facade, imagery and its sampler; colours and details of
-    /// the materials, their sampler, the palette; the sky; the ambient pass's rays; the sun bounds.
-    pub const INPUT: [wgpu::BindingType; 13] = [
+    /// the materials, their sampler, the palette; the sky; the ambient pass's rays; the sun bounds; the site coverage.
+    pub const INPUT: [wgpu::BindingType; 14] = [
         texture(FLOAT),
         texture(Uint),
         texture(Uint),
@@ -45,6 +45,7 @@ impl LightPass {
         texture_array(FILTERED),
         texture(Uint),
         texture_array(FLOAT),
+        texture_array(FILTERED),
     ];
 
     /// For the layouts of groups 0 and 1.
@@ -79,14 +80,14 @@ impl LightPass {
     }
 
     /// Binds the targets of a new size.
-    pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets, imagery: &ImageryPool) {
+    pub fn bind(&mut self, gpu: &Gpu, targets: &ReliefTargets, resident: &Resident) {
         let view = wgpu::BindingResource::TextureView;
         let resources = [
             targets.ground_distance.binding(),
             targets.ground_normal.binding(),
             targets.building_surface.binding(),
             targets.building_facade.binding(),
-            view(&imagery.layers.view),
+            view(&resident.imagery.layers.view),
             wgpu::BindingResource::Sampler(&self.sampler),
             view(&self.materials.colour.view),
             view(&self.materials.detail.view),
@@ -95,6 +96,7 @@ impl LightPass {
             view(&self.sky.images.view),
             targets.ambient_rays.binding(),
             view(&self.sun_bounds.images.view),
+            view(&resident.coverage.image.view),
         ];
         let layout = &self.input_layout;
         self.input

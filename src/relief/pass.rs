@@ -69,7 +69,7 @@ impl ReliefPass {
         self.city.bind(gpu, resident);
         self.shade.unbind();
         if let Some(targets) = self.targets.current() {
-            self.shade.bind(gpu, targets, &resident.imagery);
+            self.shade.bind(gpu, targets, resident);
         }
     }
 
@@ -107,7 +107,7 @@ impl ReliefPass {
         self.exact.bind(gpu, targets);
         self.search.bind(gpu, targets);
         self.ambient.bind(gpu, targets);
-        self.shade.bind(gpu, targets, &resident.imagery);
+        self.shade.bind(gpu, targets, resident);
         if let Some(polygons) = &mut self.polygons {
             polygons.bind(gpu, targets);
         }

@@ -14,6 +14,7 @@ mod loader;
 mod map_pool;
 mod order;
 mod resident;
+mod site_coverage;
 mod skirt;
 mod terrain_pool;
 mod tile_set;

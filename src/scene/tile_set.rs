@@ -2,6 +2,7 @@
 
 use glam::{DVec2, IVec2};
 
+use super::site_coverage::TILE_SQUARES;
 use super::tile_table::{TileTable, level_and_slot};
 use super::{MAPS, TERRAIN};
 use crate::buildings::{MapTile, Pyramid};
@@ -28,6 +29,8 @@ pub struct TileSet {
     grounds: Vec<Option<GroundTile>>,
     /// What stands before the sun, also where no rays are cast.
     roofs: Vec<Option<Pyramid>>,
+    /// The part that buildings cover, by `TILE_SQUARES` along a tile's side.
+    coverage: Vec<Option<Vec<u8>>>,
     ground_bounds: Vec<Option<GroundBounds>>,
     /// The tiles that stand in the table, with their slots, by layer.
     pub(super) covers: [Vec<(TileId, u32)>; 3],
@@ -65,6 +68,7 @@ impl TileSet {
             maps: Vec::new(),
             grounds: Vec::new(),
             roofs: Vec::new(),
+            coverage: Vec::new(),
             ground_bounds: Vec::new(),
             covers: [const { Vec::new() }; 3],
             bounds: CityBounds::default(),
@@ -83,6 +87,8 @@ impl TileSet {
 
     /// Puts the highest roofs of a building map into its slot; none empties it.
     pub fn put_roofs(&mut self, slot: u32, roofs: Option<Pyramid>) {
+        let coverage = roofs.as_ref().map(|roofs| roofs.coverage(TILE_SQUARES));
+        put(&mut self.coverage, slot, coverage);
         put(&mut self.roofs, slot, roofs);
     }
 
@@ -95,6 +101,12 @@ impl TileSet {
     pub fn standing_roofs(&self) -> impl Iterator<Item = (TileId, &Pyramid)> {
         let roofs = |&(id, slot): &(TileId, u32)| Some((id, self.roofs.get(slot as usize)?.as_ref()?));
         self.covers[MAPS].iter().filter_map(roofs)
+    }
+
+    /// The tiles that stand in the table: what buildings cover of each.
+    pub fn standing_coverage(&self) -> impl Iterator<Item = (TileId, &[u8])> {
+        let covered = |&(id, slot): &(TileId, u32)| Some((id, self.coverage.get(slot as usize)?.as_deref()?));
+        self.covers[MAPS].iter().filter_map(covered)
     }
 
     /// The tiles that stand in the table: the bounds of each one's ground.

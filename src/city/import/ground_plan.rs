@@ -18,8 +18,8 @@ pub const PLAN_PIXEL_M: f64 = 0.5;
 /// (`shaders/relief/light.wgsl`).
 const OPACITY: u8 = 224;
 
-/// The ground where nothing is drawn, sRGB: `PAPER` of `shaders/relief/light.wgsl`.
-const PAPER: [u8; 3] = [0xa4, 0xa0, 0x96];
+/// The ground where nothing is drawn, sRGB: about what `shaders/lib/bare_ground.wgsl` shows between houses.
+const BARE: [u8; 3] = [0x9b, 0x98, 0x8e];
 
 /// Files to draw.
 #[derive(Clone, Debug, Default)]
@@ -114,7 +114,7 @@ impl GroundPlan {
             let [r, g, b] = if alpha > 0 {
                 [colour.red(), colour.green(), colour.blue()]
             } else {
-                PAPER
+                BARE
             };
             rgba.extend([r, g, b, alpha as u8]);
         }

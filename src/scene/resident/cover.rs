@@ -38,6 +38,7 @@ impl Resident {
             }
         }
         self.tile_table.write(gpu, self.tiles.table.codes());
+        self.coverage.update(gpu, &self.tiles);
         self.is_stale = false;
         self.tables += 1;
     }

@@ -22,6 +22,7 @@ use crate::gpu::{Gpu, LayerPool, TableTexture};
 use crate::scene::imagery_pool::ImageryPool;
 use crate::scene::loader::{Loader, Reading, TileKey, read_all};
 use crate::scene::map_pool::MapPool;
+use crate::scene::site_coverage::SiteCoverage;
 use crate::scene::terrain_pool::{TerrainMesh, TerrainPool};
 use crate::scene::tile_set::TileSet;
 use crate::scene::{IMAGERY, MAPS, SceneError, TERRAIN};
@@ -81,6 +82,8 @@ pub struct Resident {
     pub tiles: TileSet,
     /// The tile table on the device.
     pub tile_table: TableTexture,
+    /// Which part of the ground buildings cover.
+    pub coverage: SiteCoverage,
     /// Terrain.
     pub terrain: TerrainPool,
     /// Building maps.
@@ -167,6 +170,7 @@ impl Resident {
         let mut resident = Self {
             tiles: TileSet::new(grid),
             tile_table: TableTexture::new(gpu, "tile table", [grid.columns, grid.rows]),
+            coverage: SiteCoverage::new(gpu, &grid)?,
             terrain: TerrainPool::new(gpu, options.mesh, manifest.terrain_side as u32)?,
             maps: MapPool::new(gpu)?,
             imagery: ImageryPool::new(gpu, manifest.imagery_side as u32)?,

@@ -1,0 +1,81 @@
+// Ground that no imagery shows: open land and yards, with contour lines as on a plan, and paving where houses stand close. All three are
+// guesses by what buildings cover, in quiet tones.
+
+// Which part of the ground round a place buildings cover. Host: src/scene/site_coverage.rs.
+@group(2) @binding(13) var site_coverage: texture_2d_array<f32>;
+
+// Reflectances. Open land is soil with tufts.
+const SOIL: vec3<f32> = vec3<f32>(0.335, 0.300, 0.232);
+const TUFT: vec3<f32> = vec3<f32>(0.235, 0.238, 0.135);
+const YARD: vec3<f32> = vec3<f32>(0.330, 0.312, 0.268);
+const PAVED: vec3<f32> = vec3<f32>(0.242, 0.240, 0.233);
+// Soil and tufts from afar.
+const OPEN_LAND: vec3<f32> = vec3<f32>(0.293, 0.274, 0.191);
+// Coverages between which open land goes over to yards, and yards to paving.
+const YARDS: vec2<f32> = vec2<f32>(0.05, 0.12);
+const PAVING: vec2<f32> = vec2<f32>(0.26, 0.42);
+// How far blotches move the borders of the three.
+const RAGGED: f32 = 0.12;
+
+// Sizes of the tile, by a roof's; widths of a pixel between which each fades, metres: from farther away its repetition would be seen.
+const FINE: f32 = 0.3125;
+const FINE_TO_M: vec2<f32> = vec2<f32>(0.03, 0.12);
+const BROAD: f32 = 4.0;
+const BROAD_TO_M: vec2<f32> = vec2<f32>(0.10, 0.5);
+const BLOTCHES_TO_M: vec2<f32> = vec2<f32>(0.4, 1.5);
+
+const CONTOUR: vec3<f32> = vec3<f32>(0.16, 0.12, 0.08);
+// Metres between contours near by; every fifth is bolder. Width of a line, metres and pixels at least.
+const CONTOUR_M: f32 = 2.0;
+const LINE_M: f32 = 0.35;
+const LINE_PIXELS: f32 = 1.2;
+// Width of a pixel up to which no lines are drawn, metres.
+const NEAR_PIXEL_M: f32 = 0.03;
+
+// How much of a pixel contours of an interval cover. `slope`: metres a metre.
+fn contour(height: f32, interval: f32, slope: f32, pixel_m: f32) -> f32 {
+    let away = abs(height - round(height / interval) * interval) / max(slope, 1.0e-3);
+    let width = max(LINE_M, LINE_PIXELS * pixel_m);
+    // On level ground a contour would be an area; far away lines would merge, and who stands on the ground sees no plan.
+    let spacing = interval / max(slope, 1.0e-3);
+    let fades = smoothstep(0.01, 0.04, slope) * smoothstep(4.0, 10.0, spacing / width) * smoothstep(NEAR_PIXEL_M, 3.0 * NEAR_PIXEL_M, pixel_m);
+    return fades * (1.0 - smoothstep(0.5 * width - 0.5 * pixel_m, 0.5 * width + 0.5 * pixel_m, away));
+}
+
+fn contours(height: f32, normal: vec3<f32>, size: f32) -> f32 {
+    let slope = length(normal.xy) / max(normal.z, 0.05);
+    return max(
+        max(0.45 * contour(height, CONTOUR_M, slope, size), 0.75 * contour(height, 5.0 * CONTOUR_M, slope, size)),
+        0.75 * contour(height, 25.0 * CONTOUR_M, slope, size),
+    );
+}
+
+// What the ground looks like at a place.
+struct BareGround {
+    albedo: vec3<f32>,
+    // How light it is by its mean: enlarged imagery gets some of it.
+    lightness: f32,
+}
+
+// `plan`: metres from the city's corner; `height`: above the vertical datum; `size`: of a pixel on it, metres; `has_plan`: streets are
+// drawn, what lies between them is not paved.
+fn bare_ground(plan: vec2<f32>, height: f32, normal: vec3<f32>, size: f32, has_plan: bool) -> BareGround {
+    // One tile in two sizes, turned against each other so that its repetition is not seen. Channels: `src/material/ground_painter.rs`.
+    let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BROAD;
+    let fine_tile = tile_texel(GROUND_LAYER, plan / FINE / ROOF_M, vec2<f32>(size / FINE) / ROOF_M).colour;
+    let broad_tile = tile_texel(GROUND_LAYER, turned / ROOF_M, vec2<f32>(size / BROAD) / ROOF_M).colour;
+    // Of the whole tile: its last level is one texel.
+    let mean = textureLoad(facade_colour, vec2<i32>(0), GROUND_LAYER, textureNumLevels(facade_colour) - 1u);
+    let fine = mix(fine_tile, mean, smoothstep(FINE_TO_M.x, FINE_TO_M.y, size));
+    let broad = mix(broad_tile, mean, smoothstep(BROAD_TO_M.x, BROAD_TO_M.y, size));
+    let blotch = (broad_tile.b - mean.b) * (1.0 - smoothstep(BLOTCHES_TO_M.x, BLOTCHES_TO_M.y, size));
+    let lightness = fine.a * broad.a / (mean.a * mean.a);
+    let tufts = clamp(0.6 * fine.g + 0.4 * broad.g + blotch, 0.0, 1.0);
+    let paved = PAVED * fine.r * broad.r / (mean.r * mean.r);
+    let place = plan / (vec2<f32>(frame.grid) * frame.tile_m);
+    let covered = textureSampleLevel(site_coverage, imagery_sampler, place, 0, 0.0).r + RAGGED * blotch;
+    let settled = smoothstep(YARDS.x, YARDS.y, covered);
+    let dense = select(smoothstep(PAVING.x, PAVING.y, covered), 0.0, has_plan);
+    let albedo = mix(mix(mix(SOIL, TUFT, tufts), YARD, settled) * lightness, paved, dense);
+    return BareGround(mix(albedo, CONTOUR, (1.0 - dense) * contours(height, normal, size)), lightness);
+}
