@@ -57,13 +57,17 @@ struct BareGround {
     lightness: f32,
 }
 
-// `plan`: metres from the city's corner; `height`: above the vertical datum; `size`: of a pixel on it, metres; `has_plan`: streets are
-// drawn, what lies between them is not paved.
-fn bare_ground(plan: vec2<f32>, height: f32, normal: vec3<f32>, size: f32, has_plan: bool) -> BareGround {
-    // One tile in two sizes, turned against each other so that its repetition is not seen. Channels: `src/material/ground_painter.rs`.
+// The finer of the two sizes of the tile, at a place `plan` metres from the city's corner. `size`: of a pixel on the ground, metres.
+fn ground_tile(plan: vec2<f32>, size: f32) -> TilePlace {
+    return TilePlace(GROUND_LAYER, plan / FINE / ROOF_M, vec2<f32>(size / FINE) / ROOF_M);
+}
+
+// `height`: above the vertical datum; `fine_tile`: the tile at `ground_tile`; `has_plan`: streets are drawn, what lies between them is
+// not paved.
+fn bare_ground(plan: vec2<f32>, height: f32, normal: vec3<f32>, size: f32, fine_tile: vec4<f32>, has_plan: bool) -> BareGround {
+    // The same tile larger, turned so that its repetition is not seen. Channels: `src/material/ground_painter.rs`.
     let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BROAD;
-    let fine_tile = tile_texel(GROUND_LAYER, plan / FINE / ROOF_M, vec2<f32>(size / FINE) / ROOF_M).colour;
-    let broad_tile = tile_texel(GROUND_LAYER, turned / ROOF_M, vec2<f32>(size / BROAD) / ROOF_M).colour;
+    let broad_tile = tile_colour(TilePlace(GROUND_LAYER, turned / ROOF_M, vec2<f32>(size / BROAD) / ROOF_M));
     // Of the whole tile: its last level is one texel.
     let mean = textureLoad(facade_colour, vec2<i32>(0), GROUND_LAYER, textureNumLevels(facade_colour) - 1u);
     let fine = mix(fine_tile, mean, smoothstep(FINE_TO_M.x, FINE_TO_M.y, size));

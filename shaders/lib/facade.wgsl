@@ -61,28 +61,47 @@ const PIER: f32 = 0.12;
 // Bays a metre of a column far away.
 const FAR_BAYS_PER_M: f32 = 0.33;
 
+// A place on a tile. `footprint`: width and height of a pixel on the surface, in tiles.
+struct TilePlace {
+    layer: u32,
+    uv: vec2<f32>,
+    footprint: vec2<f32>,
+}
+
 // A tile at a place: its colour and glass; its slopes and tint.
 struct TileTexel {
     colour: vec4<f32>,
     detail: vec4<f32>,
 }
 
-// `footprint`: width and height of a pixel on the surface, in tiles.
-fn tile_texel(layer: u32, uv: vec2<f32>, footprint: vec2<f32>) -> TileTexel {
-    let texels = max(footprint * TILE_SIZE, vec2<f32>(1.0e-6));
+fn tile_lod(place: TilePlace) -> f32 {
+    let texels = max(place.footprint * TILE_SIZE, vec2<f32>(1.0e-6));
     let wide = max(texels.x, texels.y);
     // Between the pixel's width and its height: sharper than its width asks for by at most a level.
-    let lod = log2(max(min(texels.x, texels.y), 0.5 * wide));
-    let colour = textureSampleLevel(facade_colour, facade_sampler, uv, layer, lod);
-    let detail = textureSampleLevel(facade_detail, facade_sampler, uv, layer, lod);
-    return TileTexel(colour, detail);
+    return log2(max(min(texels.x, texels.y), 0.5 * wide));
+}
+
+fn tile_colour(place: TilePlace) -> vec4<f32> {
+    return textureSampleLevel(facade_colour, facade_sampler, place.uv, place.layer, tile_lod(place));
+}
+
+fn tile_texel(place: TilePlace) -> TileTexel {
+    let detail = textureSampleLevel(facade_detail, facade_sampler, place.uv, place.layer, tile_lod(place));
+    return TileTexel(tile_colour(place), detail);
 }
 
 // Slopes of a tile along u and v, metres a metre.
 fn tile_slope(detail: vec4<f32>) -> vec2<f32> { return (2.0 * detail.xy - 1.0) * MAX_SLOPE; }
 
+// What of a wall's tile a pixel shows.
+struct WallTile {
+    place: TilePlace,
+    // How far the window of the bay and storey is lit at night.
+    lit: f32,
+}
+
 // `pixel_m`: width of a pixel on a surface that faces the eye, metres; `direction`: of the view ray.
-fn wall_material(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, direction: vec3<f32>, pixel_m: f32) -> Material {
+fn wall_tile(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, direction: vec3<f32>, pixel_m: f32) -> WallTile {
     let style = facade_of(code);
     let is_column = place.bays_per_m == 0.0;
     let bays_per_m = select(place.bays_per_m, FAR_BAYS_PER_M, is_column);
@@ -110,8 +129,14 @@ fn wall_material(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, di
     let facing = max(abs(dot(direction, normal)), 0.02);
     let level = max(length(direction.xy), 0.02);
     let size = vec2<f32>(pixel_m / facing * 0.5 * bays_per_m, pixel_m / level / storey_m);
-    let texel = tile_texel(layer, uv, select(size, max(size, vec2<f32>(1.0)), is_column));
+    let is_lit = select(0.0, 1.0, chance.y < 0.42);
+    // Far away all windows are lit by the part that is.
+    let lit = mix(is_lit, 0.42, smoothstep(0.3, 1.5, size.x * 2.0));
+    return WallTile(TilePlace(layer, uv, select(size, max(size, vec2<f32>(1.0)), is_column)), lit);
+}
 
+fn wall_material(code: u32, fid: u32, normal: vec3<f32>, texel: TileTexel, lit: f32) -> Material {
+    let style = facade_of(code);
     let palette = textureLoad(facade_palette, vec2<u32>(u32(random3(vec3<u32>(fid, 3u, 7u)).x * 4.0), style), 0).rgb;
     let shade = 0.88 + 0.24 * random3(vec3<u32>(fid, 5u, 7u)).y;
     var material: Material;
@@ -120,22 +145,25 @@ fn wall_material(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, di
     let slope = tile_slope(texel.detail);
     material.normal = normalize(normal - along * slope.x - vec3<f32>(0.0, 0.0, slope.y));
     material.glass = texel.colour.a;
-    let is_lit = select(0.0, 1.0, chance.y < 0.42);
-    // Far away all windows are lit by the part that is.
-    material.lit = mix(is_lit, 0.42, smoothstep(0.3, 1.5, size.x * 2.0));
+    material.lit = lit;
     return material;
 }
 
 // The width that a bay of a facade comes near to, metres (`FacadeStyle::bay_m`).
 fn facade_bay_m(style: u32) -> f32 { return textureLoad(facade_palette, vec2<u32>(0u, style), 0).a; }
 
-// `plan`: metres, of any origin that stays.
-fn roof_material(code: u32, fid: u32, plan: vec2<f32>, direction: vec3<f32>, pixel_m: f32) -> Material {
-    let angle = direction_of(code);
-    let along = vec2<f32>(cos(angle), sin(angle));
+// The direction that a building's roofing is laid along.
+fn roof_along(code: u32) -> vec2<f32> { return vec2<f32>(cos(direction_of(code)), sin(direction_of(code))); }
+
+// `plan`: metres, of any origin that stays; `size`: of a pixel on the roof, metres.
+fn roof_tile(code: u32, plan: vec2<f32>, size: f32) -> TilePlace {
+    let along = roof_along(code);
     let local = vec2<f32>(dot(plan, along), dot(plan, vec2<f32>(-along.y, along.x)));
-    let facing = max(abs(direction.z), 0.05);
-    let texel = tile_texel(FACADE_LAYERS + roof_of(code), local / ROOF_M, vec2<f32>(pixel_m / sqrt(facing)) / ROOF_M);
+    return TilePlace(FACADE_LAYERS + roof_of(code), local / ROOF_M, vec2<f32>(size) / ROOF_M);
+}
+
+fn roof_material(code: u32, fid: u32, texel: TileTexel) -> Material {
+    let along = roof_along(code);
     let chance = random3(vec3<u32>(fid, 11u, 5u));
     let shade = 0.80 + 0.40 * chance.y;
     let warm = vec3<f32>(1.0 + 0.08 * (chance.z - 0.5), 1.0, 1.0 - 0.08 * (chance.z - 0.5));

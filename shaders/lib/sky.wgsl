@@ -80,8 +80,13 @@ fn air_depth(direction: vec3<f32>, t: f32) -> f32 {
     return t * mean;
 }
 
-// What is seen of a radiance at t through the air before it, which has the light of the sky at the horizon; its haze sends on less of
-// a low sun's the steeper one looks down.
-fn through_haze(colour: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
-    return mix(air_colour(above_horizon(direction), direction), colour, exp(-AIR_PER_M * air_depth(direction, t)));
+// The light of the air in a direction: the sky's own, or before a surface that of the sky at the horizon, whose haze sends on less of a
+// low sun's the steeper one looks down.
+fn air_before(direction: vec3<f32>, is_sky: bool) -> vec3<f32> {
+    return air_colour(select(above_horizon(direction), direction, is_sky), direction);
+}
+
+// What is seen of a radiance at t through air of a colour.
+fn through_air(colour: vec3<f32>, air: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
+    return mix(air, colour, exp(-AIR_PER_M * air_depth(direction, t)));
 }

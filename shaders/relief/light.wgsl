@@ -86,6 +86,8 @@ fn ambient(normal: vec3<f32>, parts: vec3<f32>) -> vec3<f32> {
 // Walls and roofs without facades: plaster.
 const PLASTER: vec3<f32> = vec3<f32>(0.62, 0.605, 0.575);
 
+fn plaster(normal: vec3<f32>) -> Material { return Material(PLASTER, normal, 0.0, 0.0); }
+
 fn hides_facades() -> bool { return (frame.hidden & HIDES_FACADES) != 0u; }
 
 // Whether the sun is seen along a ray, past buildings and the ground.
@@ -134,13 +136,16 @@ const LAND: vec3<f32> = vec3<f32>(0.22, 0.225, 0.12);
 
 fn has_orthophotos() -> bool { return frame.wall_light.w > 0.0; }
 
-// What is seen past the city: the sky, and below the horizon land at the city's lowest ground that runs on into the haze.
-fn beyond(direction: vec3<f32>) -> vec3<f32> {
-    if direction.z >= 0.0 || frame.min_ground >= 0.0 { return sky_colour(direction) + sun_disc(direction); }
+// Whether a ray that leaves the city goes to the sky: below the horizon land lies at the city's lowest ground.
+fn meets_sky(direction: vec3<f32>) -> bool { return direction.z >= 0.0 || frame.min_ground >= 0.0; }
+
+// What is seen past the city: the sky, and land that runs on into the haze.
+fn beyond(direction: vec3<f32>, air: vec3<f32>) -> vec3<f32> {
+    if meets_sky(direction) { return air + sun_disc(direction); }
     let up = vec3<f32>(0.0, 0.0, 1.0);
     let land = select(OPEN_LAND, LAND, has_orthophotos());
     let light = sky_irradiance(up) + frame.sun_irradiance.xyz * max(frame.sun.z, 0.0);
-    return through_haze(land / PI * light, direction, frame.min_ground / direction.z);
+    return through_air(land / PI * light, air, direction, frame.min_ground / direction.z);
 }
 
 @fragment
@@ -151,49 +156,54 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let relief = textureLoad(relief_surface, pixel, 0);
     let t_relief = bitcast<f32>(relief.x);
     let t = min(t_ground, t_relief);
-    if t >= FAR {
-        return Shaded(vec4<f32>(beyond(direction), 1.0), FAR, 0u);
-    }
+    let air = air_before(direction, t >= FAR && meets_sky(direction));
+    if t >= FAR { return Shaded(vec4<f32>(beyond(direction, air), 1.0), FAR, 0u); }
     let at = direction * t;
+    let plan = plan_of(at.xy);
     let is_ground = t_ground <= t_relief;
+    let normal = unpack_normal(select(relief.w, textureLoad(ground_normal, pixel, 0).x, is_ground));
+    let is_wall = !is_ground && normal.z <= 0.5;
     let pixel_m = t * frame.pixel_angle;
-    var id = 0u;
-    var normal: vec3<f32>;
-    var material: Material;
-    var below_roof = 0.0;
-    if !is_ground {
-        id = relief.y;
-        normal = unpack_normal(relief.w);
-        let facade = textureLoad(relief_facade, pixel, 0);
-        let place = bitcast<vec3<f32>>(facade.xyz);
-        if normal.z > 0.5 {
-            material = roof_material(facade.w, id, plan_of(at.xy), direction, pixel_m);
-            if is_flat_roof(facade.w) { material = with_parapet(material, id, at.xy, pixel_m); }
-            if hides_facades() { material = Material(PLASTER, normal, 0.0, 0.0); }
-            let seen = imagery_at(at.xy, pixel_size(pixel_m, direction.z)).colour;
-            // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).
-            let shows_roof = smoothstep(0.92, 0.98, seen.a);
-            material.albedo = mix(material.albedo, seen.rgb, shows_roof);
-            material.normal = mix(material.normal, normal, shows_roof);
-        } else {
-            let above_base = at.z - place.y;
-            below_roof = place.z - above_base;
-            let wall = WallPosition(bitcast<f32>(relief.z), place.x, above_base, place.z);
-            material = wall_material(facade.w, id, wall, normal, direction, pixel_m);
-            if hides_facades() { material = Material(PLASTER, normal, 0.0, 0.0); }
-        }
+    let size = pixel_size(pixel_m, dot(direction, normal));
+    let id = select(relief.y, 0u, is_ground);
+    let facade = textureLoad(relief_facade, pixel, 0);
+    let code = facade.w;
+    let place = bitcast<vec3<f32>>(facade.xyz);
+    let above_base = at.z - place.y;
+    // One read of the tiles, whatever the surface: a software device pays for all sides of a branch.
+    var tile: WallTile;
+    if is_wall {
+        tile = wall_tile(code, id, WallPosition(bitcast<f32>(relief.z), place.x, above_base, place.z), normal, direction, pixel_m);
+    } else if is_ground {
+        tile.place = ground_tile(plan, size);
     } else {
-        normal = unpack_normal(textureLoad(ground_normal, pixel, 0).x);
-        let size = pixel_size(pixel_m, dot(direction, normal));
-        let seen = imagery_at(at.xy, size);
-        let shown = min(seen.colour.a / 0.87, 1.0);
-        let has_plan = seen.has_tile && !has_orthophotos();
-        let bare = bare_ground(plan_of(at.xy), at.z + frame.eye_elevation, normal, size, has_plan);
-        // Where the imagery tells no more.
-        let enlarged = 1.0 - smoothstep(0.25, 1.0, seen.texels);
-        let photographed = seen.colour.rgb * mix(1.0, bare.lightness, ENLARGED_GRAIN * enlarged);
-        material = Material(mix(bare.albedo, photographed, shown), normal, 0.0, 0.0);
+        tile.place = roof_tile(code, plan, size);
     }
+    let texel = tile_texel(tile.place);
+    var material: Material;
+    if is_wall {
+        material = wall_material(code, id, normal, texel, tile.lit);
+    } else {
+        let seen = imagery_at(at.xy, size);
+        if is_ground {
+            let has_plan = seen.has_tile && !has_orthophotos();
+            let bare = bare_ground(plan, at.z + frame.eye_elevation, normal, size, texel.colour, has_plan);
+            // Where the imagery tells no more.
+            let enlarged = 1.0 - smoothstep(0.25, 1.0, seen.texels);
+            let photographed = seen.colour.rgb * mix(1.0, bare.lightness, ENLARGED_GRAIN * enlarged);
+            let shown = min(seen.colour.a / 0.87, 1.0);
+            material = Material(mix(bare.albedo, photographed, shown), normal, 0.0, 0.0);
+        } else {
+            material = roof_material(code, id, texel);
+            if is_flat_roof(code) { material = with_parapet(material, id, at.xy, pixel_m); }
+            if hides_facades() { material = plaster(normal); }
+            // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).
+            let shows_roof = smoothstep(0.92, 0.98, seen.colour.a);
+            material.albedo = mix(material.albedo, seen.colour.rgb, shows_roof);
+            material.normal = mix(material.normal, normal, shows_roof);
+        }
+    }
+    if is_wall && hides_facades() { material = plaster(normal); }
     let random = sample_numbers(pixel, frame.sample);
     let start = lifted(at, normal, is_ground);
     let to_sun = around(frame.sun.xyz, frame.sun.w * sqrt(random.z), 2.0 * PI * random.y);
@@ -203,10 +213,10 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let sun = select(vec3<f32>(0.0), sunlight, in_sun);
     var radiance = material.albedo / PI * (sun + sky);
     if material.glass > 0.0 {
-        let pane = mirrored(direction, material.normal, below_roof, in_sun);
+        let pane = mirrored(direction, material.normal, place.z - above_base, in_sun);
         // Curtains glow.
         let lamp = LAMP * material.lit * night() * clamp(0.5 + 8.0 * material.albedo.g, 0.5, 1.6);
         radiance = mix(radiance, pane.radiance + pane.passes * (radiance + lamp), material.glass);
     }
-    return Shaded(vec4<f32>(through_haze(radiance, direction, t), 1.0), t, id);
+    return Shaded(vec4<f32>(through_air(radiance, air, direction, t), 1.0), t, id);
 }
