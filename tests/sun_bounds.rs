@@ -10,7 +10,7 @@ use rilievo::camera::Camera;
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
 use rilievo::output::Renderer;
-use rilievo::relief::{SunBounds, cast_buildings, cast_ground, pick};
+use rilievo::relief::{SunBounds, SunObstacles, cast_buildings, cast_ground, pick};
 use rilievo::scene::TerrainMesh;
 use rilievo::space::{Pose, Sun};
 
@@ -48,7 +48,8 @@ fn bounds_hold(name: &str, renderer: &mut Renderer, [eye, target]: [DVec3; 2]) -
         let tiles = &renderer.resident.tiles;
         // Not where the eye is: the bounds of a view hold for eyes around.
         let centre = eye.truncate() + DVec2::new(37.0, -51.0);
-        let Some(bounds) = SunBounds::new(tiles, &sun, centre, renderer.resident.texel_m) else {
+        let Some(bounds) = SunBounds::new(&SunObstacles::of(tiles), &sun, centre, renderer.resident.texel_m)
+        else {
             continue;
         };
         let projection = camera.projection(SIZE);

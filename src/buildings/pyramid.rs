@@ -169,6 +169,23 @@ impl Pyramid {
         }
     }
 
+    /// The children of a level that hold buildings: column and row, and the bound on their roofs, metres.
+    pub fn standing(&self, level: u32) -> impl Iterator<Item = ([usize; 2], f32)> {
+        let across = Self::nodes_across(self.side, level);
+        let first = Self::first_node(self.side, level);
+        let nodes = self.nodes[first..][..across * across].iter().enumerate();
+        nodes
+            .filter(|(_, node)| **node != [0; 4])
+            .flat_map(move |(k, node)| {
+                let [x, y] = [k % across, k / across].map(|place| CHILDREN * place);
+                (0..CHILDREN * CHILDREN).filter_map(move |child| {
+                    let [column, row] = [child % CHILDREN, child / CHILDREN];
+                    let byte = (node[row] >> (8 * column)) as u8;
+                    (byte != 0).then(|| ([x + column, y + row], self.bound_of(byte)))
+                })
+            })
+    }
+
     /// A bound on the roofs of one child (level 1: a block), metres: no lower than the highest, and at most a step above it; negative
     /// infinity where no building is.
     pub fn bound(&self, level: u32, column: usize, row: usize) -> f32 {
@@ -246,6 +263,12 @@ mod tests {
                     let (column, row) = ((cell % side) >> (2 * level), (cell / side) >> (2 * level));
                     let of_child = &mut highest[row * children + column];
                     *of_child = of_child.max(map.highest_roof(code));
+                }
+                let standing: Vec<_> = pyramid.standing(level).collect();
+                let told = highest.iter().filter(|highest| highest.is_finite()).count();
+                assert_eq!(standing.len(), told, "side {side}, level {level}");
+                for ([column, row], bound) in standing {
+                    assert_eq!(pyramid.bound(level, column, row), bound);
                 }
                 for (child, &highest) in highest.iter().enumerate() {
                     let bound = pyramid.bound(level, child % children, child / children);

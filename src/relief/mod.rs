@@ -31,6 +31,7 @@ mod shaders;
 mod sky_tables;
 mod sun_bounds;
 mod sun_bounds_texture;
+mod sun_obstacles;
 mod sun_visibility;
 mod targets;
 
@@ -53,5 +54,6 @@ pub use search_pass::SearchPass;
 pub use settings::{Layers, ReliefMode, ReliefSettings};
 pub use shaders::ALL as SHADERS;
 pub use sun_bounds::SunBounds;
+pub use sun_obstacles::SunObstacles;
 pub use sun_visibility::sun_seen_from;
 pub use targets::ReliefTargets;

@@ -9,9 +9,9 @@
 use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 
+use super::sun_obstacles::SunObstacles;
 use crate::buildings::Pyramid;
-use crate::scene::TileSet;
-use crate::space::{Sun, TileId};
+use crate::space::{Sun, TileGrid, TileId};
 use crate::terrain::GroundBounds;
 
 /// Cells along a level's side; shaders have it as `SUN_CELLS`.
@@ -58,7 +58,7 @@ struct Fall {
 
 impl SunBounds {
     /// Round a point of the city; none where the sun is so low or so high that they would say nothing.
-    pub fn new(tiles: &TileSet, sun: &Sun, centre: DVec2, texel_m: f64) -> Option<Self> {
+    pub fn new(obstacles: &SunObstacles, sun: &Sun, centre: DVec2, texel_m: f64) -> Option<Self> {
         let plan = sun.to_sun.truncate();
         let radius = DISC * sun.angular_radius;
         let altitude = sun.to_sun.z.clamp(-1.0, 1.0).asin();
@@ -85,7 +85,7 @@ impl SunBounds {
             return None;
         }
         let cell_m = CELL_TEXELS * texel_m;
-        let bounds = tiles.grid.bounds();
+        let bounds = obstacles.grid.bounds();
         let corners = [
             [bounds.west, bounds.south],
             [bounds.east, bounds.south],
@@ -111,7 +111,7 @@ impl SunBounds {
         };
         let heights: Vec<Vec<f32>> = (0..count)
             .into_par_iter()
-            .map(|level| grid.gather(tiles, level, fall.tan_low as f32))
+            .map(|level| grid.gather(obstacles, level, fall.tan_low as f32))
             .collect();
         let reaches_all = half * cell_m * f64::from(1_u32 << (count - 1)) >= farthest;
         for (level, heights) in heights.into_iter().enumerate().rev() {
@@ -133,31 +133,25 @@ impl SunBounds {
     }
 
     /// The highest that stands in each cell of a level: roofs, and ground that is as steep as the lowest ray.
-    fn gather(&self, tiles: &TileSet, level: usize, tan_low: f32) -> Vec<f32> {
+    fn gather(&self, obstacles: &SunObstacles, level: usize, tan_low: f32) -> Vec<f32> {
         let mut heights = vec![f32::NEG_INFINITY; SUN_CELLS * SUN_CELLS];
         let cell_m = self.level_cell_m(level);
-        for (id, roofs) in tiles.standing_roofs() {
-            if self.meets(tiles, id, level) {
-                let (corner, tile_m) = (tiles.grid.origin(id), tiles.grid.level_tile_m(id.level));
-                let node = roof_level(roofs, tile_m, cell_m);
-                let across = roofs.children(node);
-                let side = tile_m / across as f64;
-                for row in 0..across {
-                    for column in 0..across {
-                        let roof = roofs.bound(node, column, row);
-                        if roof > f32::NEG_INFINITY {
-                            let at = corner + side * DVec2::new(column as f64, row as f64);
-                            self.raise(&mut heights, cell_m, (at, side), roof);
-                        }
-                    }
+        let grid = &obstacles.grid;
+        for (id, roofs) in &obstacles.roofs {
+            if self.meets(grid, *id, level) {
+                let (corner, tile_m) = (grid.origin(*id), grid.level_tile_m(id.level));
+                let node_level = roof_level(roofs, tile_m, cell_m);
+                let side = tile_m / roofs.children(node_level) as f64;
+                for ([column, row], roof) in roofs.standing(node_level) {
+                    let at = corner + side * DVec2::new(column as f64, row as f64);
+                    self.raise(&mut heights, cell_m, (at, side), roof);
                 }
             }
         }
-        for (id, ground) in tiles.standing_ground() {
-            if self.meets(tiles, id, level) {
-                let (corner, tile_m) = (tiles.grid.origin(id), tiles.grid.level_tile_m(id.level));
+        for (id, ground, steps) in &obstacles.ground {
+            if self.meets(grid, *id, level) {
+                let (corner, tile_m) = (grid.origin(*id), grid.level_tile_m(id.level));
                 let side = tile_m / GroundBounds::BLOCKS as f64;
-                let steps = stepped_sides(tiles, id);
                 let is_gentle = ground.max_slope() * STEEPER < tan_low;
                 if is_gentle && !steps.contains(&true) {
                     continue;
@@ -166,7 +160,7 @@ impl SunBounds {
                     for column in 0..GroundBounds::BLOCKS {
                         let last = GroundBounds::BLOCKS - 1;
                         let on_side = [row == 0, column == last, row == last, column == 0];
-                        let is_step = on_side.iter().zip(steps).any(|(on, step)| *on && step);
+                        let is_step = on_side.iter().zip(steps).any(|(on, step)| *on && *step);
                         if is_step || ground.slope(column, row) * STEEPER >= tan_low {
                             let at = corner + side * DVec2::new(column as f64, row as f64);
                             self.raise(&mut heights, cell_m, (at, side), ground.max(0, column, row));
@@ -179,10 +173,10 @@ impl SunBounds {
     }
 
     /// Whether a tile may have a part in a level.
-    fn meets(&self, tiles: &TileSet, id: TileId, level: usize) -> bool {
+    fn meets(&self, grid: &TileGrid, id: TileId, level: usize) -> bool {
         let half = 0.5 * SUN_CELLS as f64 * self.level_cell_m(level);
-        let side = tiles.grid.level_tile_m(id.level);
-        let centre = tiles.grid.origin(id) + 0.5 * side;
+        let side = grid.level_tile_m(id.level);
+        let centre = grid.origin(id) + 0.5 * side;
         let [u, v] = self.sheared(centre);
         // The tile is a parallelogram there, up to twice as wide.
         u.abs() <= half + 0.5 * side && v.abs() <= half + side
@@ -204,7 +198,9 @@ impl SunBounds {
         let across = [low, high].map(|at| (at - self.centre).dot(self.axes[1]));
         let (u0, u1) = (along[0].min(along[1]), along[0].max(along[1]));
         let last = SUN_CELLS as i64 - 1;
-        let cell = |metres: f64| (metres / cell_m).floor() as i64 + SUN_CELLS as i64 / 2;
+        // Rounded down: counted from below all cells, where a cast does.
+        let per_m = 1.0 / cell_m;
+        let cell = |metres: f64| (metres * per_m + (SUN_CELLS / 2 + 1) as f64) as i64 - 1;
         for i in cell(u0).max(0)..=cell(u1).min(last) {
             let edge = (i - SUN_CELLS as i64 / 2) as f64 * cell_m;
             let shift = [u0.max(edge), u1.min(edge + cell_m)].map(|u| self.shear * u);
@@ -257,29 +253,6 @@ impl SunBounds {
 fn roof_level(roofs: &Pyramid, tile_m: f64, cell_m: f64) -> u32 {
     let fits = |level: &u32| tile_m / roofs.children(*level) as f64 <= 1.01 * cell_m;
     (1..=roofs.top()).rev().find(fits).unwrap_or(1)
-}
-
-/// On which sides of a terrain tile (south, east, north, west) another level or nothing begins: the ground may have a step there.
-fn stepped_sides(tiles: &TileSet, id: TileId) -> [bool; 4] {
-    let (level, size) = (id.level, 1_i32 << id.level);
-    let first = [(id.x << level) as i32, (id.y << level) as i32];
-    let is_other = |x: i32, y: i32| {
-        let (other, slot) = tiles.ground_slot_over(glam::IVec2::new(x, y));
-        slot.is_some() && other != level
-    };
-    let any = |at: &dyn Fn(i32) -> [i32; 2]| {
-        (0..size).any(|k| {
-            let [x, y] = at(k);
-            is_other(x, y)
-        })
-    };
-    let [x, y] = first;
-    [
-        any(&|k| [x + k, y - 1]),
-        any(&|k| [x + size, y + k]),
-        any(&|k| [x + k, y + size]),
-        any(&|k| [x - 1, y + k]),
-    ]
 }
 
 /// What shadows come in from beyond a level's end.

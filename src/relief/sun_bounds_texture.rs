@@ -1,10 +1,12 @@
 //! The sun bounds on the device: remade when the sun, the tiles or the eye's neighbourhood change.
 
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3, Vec4};
 
 use super::sun_bounds::{MAX_SUN_LEVELS, SUN_CELLS, SunBounds};
+use super::sun_obstacles::SunObstacles;
 use crate::gpu::{Gpu, GpuError, LayerPool};
 use crate::scene::Resident;
 use crate::space::Sun;
@@ -19,12 +21,14 @@ pub struct SunBoundsTexture {
     key: Option<Key>,
     /// When the key came to be what it is.
     since: Instant,
+    /// Bounds in the making, and what of.
+    job: Option<(Key, Receiver<Option<SunBounds>>)>,
 }
 
 /// Tiles, sun, centre.
 type Key = (u64, DVec3, f64, DVec2);
 
-/// In a window nothing changes for so long before bounds are made: they take longer than a frame in motion may.
+/// In a window nothing changes for so long before bounds are made.
 const SETTLED: Duration = Duration::from_millis(250);
 /// The eye may go so far from the centre, by the finest level's extent.
 const DRIFT: f64 = 0.1;
@@ -49,10 +53,12 @@ impl SunBoundsTexture {
             is_current: false,
             key: None,
             since: Instant::now(),
+            job: None,
         })
     }
 
-    /// Makes them for a view. Where frames do not wait, only once nothing has changed for a while: until then every ray is cast.
+    /// Makes them for a view. Where frames do not wait, beside them and only once nothing has changed for a while: until then every ray is
+    /// cast.
     pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, sun: &Sun, eye: DVec2) {
         let texel_m = resident.texel_m;
         let drift = DRIFT * texel_m * SUN_CELLS as f64;
@@ -64,12 +70,38 @@ impl SunBoundsTexture {
         if self.key != Some(key) {
             (self.key, self.since, self.is_current) = (Some(key), Instant::now(), false);
         }
-        let is_settled = !resident.streams() || self.since.elapsed() >= SETTLED;
-        if self.is_current || !is_settled {
+        if self.is_current {
             return;
         }
+        let make = move |obstacles: SunObstacles, sun: Sun| SunBounds::new(&obstacles, &sun, centre, texel_m);
+        if !resident.streams() {
+            let bounds = make(SunObstacles::of(&resident.tiles), *sun);
+            return self.take(gpu, bounds);
+        }
+        let finished = self
+            .job
+            .as_ref()
+            .map(|(of, bounds)| (*of == key, bounds.try_recv()));
+        match finished {
+            Some((true, Ok(bounds))) => self.take(gpu, bounds),
+            Some((_, Err(TryRecvError::Empty))) => return,
+            _ => {}
+        }
+        self.job = None;
+        if !self.is_current && self.since.elapsed() >= SETTLED {
+            let (sender, receiver) = channel();
+            let (obstacles, sun) = (SunObstacles::of(&resident.tiles), *sun);
+            // On a core of its own, so that frames go on. Nobody may be there any more to take them.
+            let work = move || drop(sender.send(make(obstacles, sun)));
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+            alone.map_or_else(|_| (), |pool| pool.spawn(work));
+            self.job = Some((key, receiver));
+        }
+    }
+
+    fn take(&mut self, gpu: &Gpu, bounds: Option<SunBounds>) {
         self.is_current = true;
-        self.bounds = SunBounds::new(&resident.tiles, sun, centre, texel_m);
+        self.bounds = bounds;
         for (layer, heights) in (0..).zip(self.bounds.iter().flat_map(|bounds| bounds.levels())) {
             self.images.write(gpu, layer, 0, heights);
         }

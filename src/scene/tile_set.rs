@@ -1,5 +1,7 @@
 //! The resident tiles on the CPU: what picking, the sun's visible fraction and the traversal's CPU twin ask. Never the disk.
 
+use std::sync::Arc;
+
 use glam::{DVec2, IVec2};
 
 use super::site_coverage::TILE_SQUARES;
@@ -28,10 +30,10 @@ pub struct TileSet {
     maps: Vec<Option<MapTile>>,
     grounds: Vec<Option<GroundTile>>,
     /// What stands before the sun, also where no rays are cast.
-    roofs: Vec<Option<Pyramid>>,
+    roofs: Vec<Option<Arc<Pyramid>>>,
     /// The part that buildings cover, by `TILE_SQUARES` along a tile's side.
     coverage: Vec<Option<Vec<u8>>>,
-    ground_bounds: Vec<Option<GroundBounds>>,
+    ground_bounds: Vec<Option<Arc<GroundBounds>>>,
     /// The tiles that stand in the table, with their slots, by layer.
     pub(super) covers: [Vec<(TileId, u32)>; 3],
     /// Bounds of the whole city, metres.
@@ -89,17 +91,17 @@ impl TileSet {
     pub fn put_roofs(&mut self, slot: u32, roofs: Option<Pyramid>) {
         let coverage = roofs.as_ref().map(|roofs| roofs.coverage(TILE_SQUARES));
         put(&mut self.coverage, slot, coverage);
-        put(&mut self.roofs, slot, roofs);
+        put(&mut self.roofs, slot, roofs.map(Arc::new));
     }
 
     /// Puts bounds of ground into their slot; none empties it.
     pub fn put_ground_bounds(&mut self, slot: u32, bounds: Option<GroundBounds>) {
-        put(&mut self.ground_bounds, slot, bounds);
+        put(&mut self.ground_bounds, slot, bounds.map(Arc::new));
     }
 
     /// The tiles that stand in the table: the highest roofs of each building map.
-    pub fn standing_roofs(&self) -> impl Iterator<Item = (TileId, &Pyramid)> {
-        let roofs = |&(id, slot): &(TileId, u32)| Some((id, self.roofs.get(slot as usize)?.as_ref()?));
+    pub fn standing_roofs(&self) -> impl Iterator<Item = (TileId, Arc<Pyramid>)> {
+        let roofs = |&(id, slot): &(TileId, u32)| Some((id, self.roofs.get(slot as usize)?.clone()?));
         self.covers[MAPS].iter().filter_map(roofs)
     }
 
@@ -110,9 +112,9 @@ impl TileSet {
     }
 
     /// The tiles that stand in the table: the bounds of each one's ground.
-    pub fn standing_ground(&self) -> impl Iterator<Item = (TileId, &GroundBounds)> {
+    pub fn standing_ground(&self) -> impl Iterator<Item = (TileId, Arc<GroundBounds>)> {
         let bounds =
-            |&(id, slot): &(TileId, u32)| Some((id, self.ground_bounds.get(slot as usize)?.as_ref()?));
+            |&(id, slot): &(TileId, u32)| Some((id, self.ground_bounds.get(slot as usize)?.clone()?));
         self.covers[TERRAIN].iter().filter_map(bounds)
     }
 

@@ -44,7 +44,7 @@ pub struct Editing {
 }
 
 /// So long after the last command the thread looks after its copy of the dataset.
-const IDLE: Duration = Duration::from_millis(1500);
+const IDLE: Duration = Duration::from_millis(200);
 
 impl Editing {
     /// For a city.

@@ -22,8 +22,10 @@ pub struct Pace {
     /// The band of the resting image's next sample, and what the bands before it took.
     band: Band,
     spent: Duration,
-    /// What a sample in full takes.
+    /// What a sample in full took last; before the first one, what one in motion lets expect.
     full: Duration,
+    /// Whether it was measured.
+    is_full_known: bool,
     /// Whether an image of a lower resolution is to bridge the time until the first whole one.
     is_bridge_due: bool,
     /// Samples that a resting image gets.
@@ -56,13 +58,13 @@ pub const MAX_SAMPLES: u32 = 64;
 pub const FRAMES_PER_S: f64 = 15.0;
 const USED: f64 = 0.9;
 /// A whole image that takes longer than this is bridged by one at this scale.
-const SLOW: Duration = Duration::from_millis(400);
+const SLOW: Duration = Duration::from_millis(850);
 const BRIDGE: f64 = 0.75;
 /// A band takes about so long, so that the window answers in between; and how many there are at most.
 const BAND: Duration = Duration::from_millis(80);
 const MAX_BANDS: u32 = 16;
 /// The camera rests when it has not moved for so long.
-const REST: Duration = Duration::from_millis(120);
+const REST: Duration = Duration::from_millis(80);
 
 impl Pace {
     /// The window opens: as in motion, so that there is something to see at once.
@@ -77,6 +79,7 @@ impl Pace {
             band: Band::WHOLE,
             spent: Duration::ZERO,
             full: Duration::ZERO,
+            is_full_known: false,
             is_bridge_due: false,
             max_samples: MAX_SAMPLES,
             frames_per_s: FRAMES_PER_S,
@@ -146,7 +149,11 @@ impl Pace {
         let stands_in = !self.is_moving && step.scale < 1.0;
         self.samples = if stands_in { 0 } else { step.sample + 1 };
         self.is_bridge_due &= !stands_in;
-        self.full = took.div_f64(step.scale * step.scale);
+        // Frames in motion are so small that most of their time goes elsewhere than into pixels.
+        if !(self.is_moving && self.is_full_known) {
+            self.full = took.div_f64(step.scale * step.scale);
+            self.is_full_known = !self.is_moving;
+        }
         if !self.is_moving {
             return Some(took);
         }
@@ -193,13 +200,13 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// A device on which a full frame takes 760 ms and the screen 18: while it moves frames come down to the budget, and at rest the samples add up.
+    /// A device on which a full frame takes 960 ms and the screen 18: while it moves frames come down to the budget, and at rest the samples add up.
     #[test]
     fn frames_keep_coming_while_the_camera_moves_and_samples_add_up_at_rest() {
         let mut now = Instant::now();
         let mut pace = Pace::new(now);
         let screen = Duration::from_millis(18);
-        let cost = |scale: f64| Duration::from_secs_f64(0.01 + 0.75 * scale * scale);
+        let cost = |scale: f64| Duration::from_secs_f64(0.01 + 0.95 * scale * scale);
         let mut times = Vec::new();
         for _ in 0..30 {
             pace.moved(now);
