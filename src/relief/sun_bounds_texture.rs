@@ -15,9 +15,9 @@ use crate::space::Sun;
 pub struct SunBoundsTexture {
     /// A layer a level.
     pub images: LayerPool,
-    bounds: Option<SunBounds>,
-    /// Whether the bounds are of what was asked for last.
-    is_current: bool,
+    /// And what they are of.
+    bounds: Option<(Key, Option<SunBounds>)>,
+    /// What was asked for last.
     key: Option<Key>,
     /// When the key came to be what it is.
     since: Instant,
@@ -25,8 +25,8 @@ pub struct SunBoundsTexture {
     job: Option<(Key, Receiver<Option<SunBounds>>)>,
 }
 
-/// Tiles, sun, centre.
-type Key = (u64, DVec3, f64, DVec2);
+/// Tiles, direction to the sun and its radius; centre.
+type Key = ((u64, DVec3, f64), DVec2);
 
 /// In a window nothing changes for so long before bounds are made.
 const SETTLED: Duration = Duration::from_millis(250);
@@ -50,7 +50,6 @@ impl SunBoundsTexture {
         Ok(Self {
             images,
             bounds: None,
-            is_current: false,
             key: None,
             since: Instant::now(),
             job: None,
@@ -63,32 +62,29 @@ impl SunBoundsTexture {
         let texel_m = resident.texel_m;
         let drift = DRIFT * texel_m * SUN_CELLS as f64;
         let centre = match self.key {
-            Some((.., centre)) if centre.distance(eye) <= drift => centre,
+            Some((_, centre)) if centre.distance(eye) <= drift => centre,
             _ => eye,
         };
-        let key = (resident.version(), sun.to_sun, sun.angular_radius, centre);
+        let key = ((resident.version(), sun.to_sun, sun.angular_radius), centre);
         if self.key != Some(key) {
-            (self.key, self.since, self.is_current) = (Some(key), Instant::now(), false);
+            (self.key, self.since) = (Some(key), Instant::now());
         }
-        if self.is_current {
+        if self.bounds.as_ref().is_some_and(|(of, _)| *of == key) {
             return;
         }
         let make = move |obstacles: SunObstacles, sun: Sun| SunBounds::new(&obstacles, &sun, centre, texel_m);
         if !resident.streams() {
             let bounds = make(SunObstacles::of(&resident.tiles), *sun);
-            return self.take(gpu, bounds);
+            return self.take(gpu, key, bounds);
         }
-        let finished = self
-            .job
-            .as_ref()
-            .map(|(of, bounds)| (*of == key, bounds.try_recv()));
+        let finished = self.job.as_ref().map(|(of, bounds)| (*of, bounds.try_recv()));
         match finished {
-            Some((true, Ok(bounds))) => self.take(gpu, bounds),
             Some((_, Err(TryRecvError::Empty))) => return,
+            Some((of, Ok(bounds))) => self.take(gpu, of, bounds),
             _ => {}
         }
         self.job = None;
-        if !self.is_current && self.since.elapsed() >= SETTLED {
+        if self.since.elapsed() >= SETTLED && self.bounds.as_ref().is_none_or(|(of, _)| *of != key) {
             let (sender, receiver) = channel();
             let (obstacles, sun) = (SunObstacles::of(&resident.tiles), *sun);
             // On a core of its own, so that frames go on. Nobody may be there any more to take them.
@@ -99,19 +95,19 @@ impl SunBoundsTexture {
         }
     }
 
-    fn take(&mut self, gpu: &Gpu, bounds: Option<SunBounds>) {
-        self.is_current = true;
-        self.bounds = bounds;
-        for (layer, heights) in (0..).zip(self.bounds.iter().flat_map(|bounds| bounds.levels())) {
+    fn take(&mut self, gpu: &Gpu, of: Key, bounds: Option<SunBounds>) {
+        for (layer, heights) in (0..).zip(bounds.iter().flat_map(|bounds| bounds.levels())) {
             self.images.write(gpu, layer, 0, heights);
         }
+        self.bounds = Some((of, bounds));
     }
 
-    /// What shaders take for an eye in plan; no levels while there are none of this view.
+    /// What shaders take for an eye in plan; no levels while there are none of its tiles and sun. Those round another centre hold as well.
     pub fn uniforms(&self, eye: DVec2) -> ([Vec4; 2], u32) {
-        match self.bounds.as_ref().filter(|_| self.is_current) {
-            Some(bounds) => bounds.uniforms(eye),
-            None => ([Vec4::ZERO; 2], 0),
+        let wanted = self.key.map(|(of, _)| of);
+        match &self.bounds {
+            Some(((of, _), Some(bounds))) if wanted == Some(*of) => bounds.uniforms(eye),
+            _ => ([Vec4::ZERO; 2], 0),
         }
     }
 }
