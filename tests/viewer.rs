@@ -238,6 +238,39 @@ fn point_under(tiles: &TileSet, projection: &Projection, position: DVec2) -> DVe
     Navigator::point_under(tiles, Cursor { projection, position }).unwrap()
 }
 
+/// Two fingers that turn anticlockwise by an angle: the city turns so in the image, round what is under the cursor.
+#[test]
+fn two_fingers_turn_the_city_round_what_is_under_them() {
+    let city = City::open(&support::sample().join("city")).unwrap();
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    renderer.load_finest().unwrap();
+    let tiles = &renderer.resident.tiles;
+    // From straight above, nearly, where an angle in the image is one on the ground.
+    let (eye, target) = (
+        DVec3::new(289_180.0, 4_772_960.0, 900.0),
+        DVec3::new(289_180.0, 4_773_000.0, 215.0),
+    );
+    let mut navigator = Navigator::new(tiles, Pose::looking_at(eye, target));
+    let seen = |navigator: &Navigator| Projection::new(navigator.pose, SIZE, 0.8);
+    let before = seen(&navigator);
+    let position = DVec2::new(300.0, 200.0);
+    let held = point_under(tiles, &before, position);
+    let beside = held + 100.0 * before.pose.right;
+    let cursor = Cursor {
+        projection: &before,
+        position,
+    };
+    assert!(navigator.rotate(tiles, cursor, 0.5));
+    let after = seen(&navigator);
+    assert!(
+        pixel(&after, held).distance(position) < 0.5,
+        "it turned round something else"
+    );
+    let towards = pixel(&after, beside) - position;
+    let angle = (-towards.y).atan2(towards.x);
+    assert!((angle - 0.5).abs() < 0.02, "it turned by {angle}");
+}
+
 #[test]
 fn the_window_does_what_the_mouse_and_the_keys_say() {
     let Some(display) = Display::open() else { return };

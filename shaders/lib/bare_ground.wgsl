@@ -9,8 +9,8 @@ const SOIL: vec3<f32> = vec3<f32>(0.335, 0.300, 0.232);
 const TUFT: vec3<f32> = vec3<f32>(0.235, 0.238, 0.135);
 const YARD: vec3<f32> = vec3<f32>(0.330, 0.312, 0.268);
 const PAVED: vec3<f32> = vec3<f32>(0.242, 0.240, 0.233);
-// Soil and tufts from afar.
-const OPEN_LAND: vec3<f32> = vec3<f32>(0.293, 0.274, 0.191);
+// The land beyond the survey, of which nothing is known.
+const OPEN_LAND: vec3<f32> = vec3<f32>(0.285, 0.274, 0.222);
 // Coverages between which open land goes over to yards, and yards to paving.
 const YARDS: vec2<f32> = vec2<f32>(0.05, 0.12);
 const PAVING: vec2<f32> = vec2<f32>(0.26, 0.42);

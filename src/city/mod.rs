@@ -27,7 +27,9 @@ pub use codec::TerrainTile;
 pub use edit::{Edit, EditReport, Editor};
 pub use error::CityError;
 pub use imagery_tile::ImageryTile;
-pub use import::{ImportOptions, ImportReport, ImportWarning, PlanFiles, Setting, import};
+pub use import::{
+    ImportOptions, ImportProgress, ImportReport, ImportStage, ImportWarning, PlanFiles, Setting, import,
+};
 pub use layer::Layer;
 pub use manifest::{Manifest, OperationRecord, SourceRecord};
 pub use raised_footprints::{RaisedFootprints, building_map, buildings_by_tile, raise_footprints};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{CommandError, import_report};
-use crate::city::{CityError, ImportOptions, PlanFiles, import};
+use crate::city::{CityError, ImportOptions, ImportProgress, PlanFiles, import};
 use crate::source::{GroundRules, HeightRule};
 
 /// Flags of `import`.
@@ -132,6 +132,7 @@ pub fn run(args: ImportArgs) -> Result<(), CommandError> {
         },
         facades: args.facades,
         out: args.out,
+        progress: ImportProgress::default(),
     };
     let report = import(&options)?;
     import_report::print(&options, &report);

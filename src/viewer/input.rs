@@ -6,14 +6,15 @@ use glam::{DVec2, DVec3};
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::keyboard::{KeyCode, PhysicalKey};
 
-use super::Cursor;
 use super::editing::EditCommand;
 use super::motion::MAX_STEP_S;
 use super::panels::Action;
 use super::running::Running;
 use super::screen::Screen;
 use super::tools::Tool;
+use super::{Cursor, Navigator};
 use crate::city::Edit;
+use crate::scene::TileSet;
 use crate::space::Pose;
 
 /// Shortest flight of a key that is tapped, seconds.
@@ -59,6 +60,10 @@ impl Running {
                 });
             }
             WindowEvent::PinchGesture { delta, .. } if !is_taken => self.zoom(STEPS_PER_PINCH * delta),
+            WindowEvent::RotationGesture { delta, .. } if !is_taken => {
+                let angle = f64::from(delta.to_radians());
+                self.gesture(|navigator, tiles, cursor| navigator.rotate(tiles, cursor, angle));
+            }
             WindowEvent::Focused(false) => self.keys.clear(),
             WindowEvent::KeyboardInput { event, .. } => {
                 let PhysicalKey::Code(key) = event.physical_key else {
@@ -133,17 +138,19 @@ impl Running {
     }
 
     fn zoom(&mut self, steps: f64) {
+        self.gesture(|navigator, tiles, cursor| navigator.zoom(tiles, cursor, steps));
+    }
+
+    /// What the navigator does at the cursor, without anything held.
+    fn gesture(&mut self, act: impl FnOnce(&mut Navigator, &TileSet, Cursor<'_>) -> bool) {
         self.stop();
         let projection = self.projection();
         let cursor = Cursor {
             projection: &projection,
             position: self.pointer.position,
         };
-        if self
-            .state
-            .navigator
-            .zoom(&self.renderer.resident.tiles, cursor, steps)
-        {
+        let tiles = &self.renderer.resident.tiles;
+        if act(&mut self.state.navigator, tiles, cursor) {
             self.moved();
         }
     }

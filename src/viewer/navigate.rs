@@ -146,6 +146,18 @@ impl Navigator {
         self.pose = Pose::looking_along(eye, rotation * self.pose.forward);
     }
 
+    /// Turns the city in the image round what is under the cursor, anticlockwise by an angle (radians), as two fingers on a touchpad do.
+    /// True when the pose changed.
+    pub fn rotate(&mut self, tiles: &TileSet, cursor: Cursor<'_>, angle: f64) -> bool {
+        let Some(anchor) = Self::point_under(tiles, cursor) else {
+            return false;
+        };
+        let before = self.pose;
+        self.orbit(anchor, DVec2::new(angle, 0.0));
+        self.stay_above(tiles);
+        self.pose != before
+    }
+
     /// Goes towards what is under the cursor by steps of the wheel, or away from it. True when the pose changed.
     pub fn zoom(&mut self, tiles: &TileSet, cursor: Cursor<'_>, steps: f64) -> bool {
         let Some(anchor) = Self::point_under(tiles, cursor) else {

@@ -6,13 +6,13 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::plan::Plan;
-use super::progress::progress;
 use crate::buildings::coarser;
 use crate::city::codec::{TexelGrid, read_buildings, write_terrain_errors};
 use crate::city::writer::TileWriter;
 use crate::city::{CityError, ImageryTile, Layer, TerrainTile, Tile};
 use crate::space::TileId;
 use crate::terrain::{coarser_ground, meshes_alone};
+use indicatif::ProgressBar;
 
 /// What the levels are made with.
 pub struct LevelParameters {
@@ -31,13 +31,14 @@ pub fn make_levels(
     plan: &Plan,
     parameters: &LevelParameters,
     writer: &TileWriter<'_>,
+    bar: &ProgressBar,
 ) -> Result<(), CityError> {
     let grid = &plan.grid;
     let levels = 1..grid.levels();
     let count = levels
         .clone()
         .map(|level| grid.tiles_of_level(level).count() as u64);
-    let bar = progress("levels", count.sum());
+    bar.set_length(count.sum());
     let mut all_errors = Vec::new();
     // Of the level below, by tile.
     let mut errors_below: HashMap<TileId, f32> = HashMap::new();

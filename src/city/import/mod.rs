@@ -29,7 +29,7 @@ use ground_plan::GroundPlan;
 use levels::{LevelParameters, make_levels};
 use options::{cache_key, check_numbers, refuse_inputs_inside, source_files};
 use plan::{Plan, rejected};
-use progress::{announce, progress};
+use progress::announce;
 use sources::Sources;
 use terrain::make_terrain;
 use tiles::make_tiles;
@@ -37,6 +37,7 @@ use warnings::source_warnings;
 
 pub use ground_plan::PlanFiles;
 pub use options::{ImportOptions, Setting};
+pub use progress::{ImportProgress, ImportStage};
 pub use warnings::ImportWarning;
 
 use std::collections::HashSet;
@@ -155,7 +156,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
             fields: sources.buildings.field_names()?,
         });
     }
-    let spinner = progress("footprints", 0);
+    let spinner = options.progress.count("footprints");
     let mut footprints: Vec<Footprint> = Vec::new();
     let default_height_m = options.default_height_m;
     let mut report = sources
@@ -201,7 +202,8 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         });
     }
     let ground_plan = GroundPlan::read(&options.plan, &sources.crs, plan.grid)?;
-    let tiles = make_tiles((&sources, ground_plan.as_ref()), &plan, &buildings, &writer)?;
+    let bar = options.progress.begin("tiles");
+    let tiles = make_tiles((&sources, ground_plan.as_ref()), &plan, &buildings, &writer, &bar)?;
     let texel_m = plan.grid.tile_m / TILE_TEXELS as f64;
     let levels = LevelParameters {
         tile_texels: TILE_TEXELS,
@@ -209,7 +211,7 @@ pub fn import(options: &ImportOptions) -> Result<ImportReport, CityError> {
         imagery_side: tiles.imagery_side,
         terrain_error_m: options.terrain_error_m,
     };
-    make_levels(&plan, &levels, &writer)?;
+    make_levels(&plan, &levels, &writer, &options.progress.begin("levels"))?;
     let place = sources.crs.place_of(plan.grid.bounds().centre())?;
     let bounds = plan.grid.bounds();
     warnings.extend(

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::ground_plan::PlanFiles;
+use super::progress::ImportProgress;
 use crate::city::staging::beside;
 use crate::city::{CityError, Layer, SourceRecord};
 use crate::source::{HeightRule, PlanKind, files_of, open_regular};
@@ -54,6 +55,8 @@ pub struct ImportOptions {
     pub facades: Option<PathBuf>,
     /// The city folder to make.
     pub out: PathBuf,
+    /// How far it is.
+    pub progress: ImportProgress,
 }
 
 impl ImportOptions {
@@ -93,6 +96,7 @@ impl ImportOptions {
             plan: PlanFiles::default(),
             facades: None,
             out,
+            progress: ImportProgress::default(),
         }
     }
 }

@@ -1,22 +1,59 @@
-//! Progress bars on standard error, when that is a terminal.
+//! How far an import is: a bar on standard error, when that is a terminal, and for who asks.
+
+use std::sync::{Arc, Mutex};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::space::TileGrid;
 
-/// A bar of `total` steps; a counter when `total` is 0.
-pub fn progress(what: &'static str, total: u64) -> ProgressBar {
-    let bar = ProgressBar::new(total);
-    let template = if total > 0 {
-        "{prefix:12} {wide_bar} {pos}/{len} {eta}"
-    } else {
-        "{prefix:12} {pos}"
-    };
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
+/// How far an import is; copies tell of the same one.
+#[derive(Clone, Debug, Default)]
+pub struct ImportProgress(Arc<Mutex<Option<ProgressBar>>>);
+
+/// A stage of an import.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportStage {
+    /// Its name.
+    pub name: String,
+    /// Steps made.
+    pub done: u64,
+    /// Steps of all; none where that is not known.
+    pub total: Option<u64>,
+}
+
+impl ImportProgress {
+    /// A stage whose steps are counted; of how many is told by the bar's length.
+    pub(super) fn begin(&self, name: &'static str) -> ProgressBar {
+        self.show(name, "{prefix:12} {wide_bar} {pos}/{len} {eta}")
     }
-    bar.set_prefix(what);
-    bar
+
+    /// A stage of nobody knows how many steps.
+    pub(super) fn count(&self, name: &'static str) -> ProgressBar {
+        self.show(name, "{prefix:12} {pos}")
+    }
+
+    fn show(&self, name: &'static str, template: &str) -> ProgressBar {
+        let bar = ProgressBar::no_length();
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.set_prefix(name);
+        if let Ok(mut shown) = self.0.lock() {
+            *shown = Some(bar.clone());
+        }
+        bar
+    }
+
+    /// The stage that it is in; none before the first.
+    pub fn stage(&self) -> Option<ImportStage> {
+        let shown = self.0.lock().ok()?;
+        let bar = shown.as_ref()?;
+        Some(ImportStage {
+            name: bar.prefix(),
+            done: bar.position(),
+            total: bar.length(),
+        })
+    }
 }
 
 /// Tiles from which an import says beforehand what it will cost.

@@ -8,7 +8,6 @@ use rayon::prelude::*;
 
 use super::ImportOptions;
 use super::plan::Plan;
-use super::progress::progress;
 use super::sources::Sources;
 use crate::city::ground_cache::GroundCache;
 use crate::city::writer::TileWriter;
@@ -38,7 +37,8 @@ pub fn make_terrain(
     ground: &GroundCache,
 ) -> Result<TerrainTotals, CityError> {
     let tiles: Vec<TileId> = plan.grid.tiles().collect();
-    let bar = progress("terrain", tiles.len() as u64);
+    let bar = options.progress.begin("terrain");
+    bar.set_length(tiles.len() as u64);
     let totals = [const { AtomicU64::new(0) }; 4];
     let (dtm, crs) = (&sources.dtm, &sources.crs);
     tiles

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use super::TILE_TEXELS;
 use super::ground_plan::{GroundPlan, PLAN_PIXEL_M};
 use super::plan::Plan;
-use super::progress::progress;
 use super::sources::Sources;
 use crate::buildings::{Building, MapTile};
 use crate::city::layer::Layer;
@@ -16,6 +15,7 @@ use crate::city::writer::TileWriter;
 use crate::city::{CityError, ImageryTile, Tile};
 use crate::source::ImageryMosaic;
 use crate::space::{Crs, TileGrid, TileId};
+use indicatif::ProgressBar;
 
 /// Most orthophoto pixels along a tile's side.
 const MAX_IMAGERY_PIXELS: usize = 1024;
@@ -39,6 +39,7 @@ pub fn make_tiles(
     plan: &Plan,
     buildings: &[Building],
     writer: &TileWriter<'_>,
+    bar: &ProgressBar,
 ) -> Result<TileTotals, CityError> {
     let by_tile = buildings_by_tile(&plan.grid, buildings);
     let imagery = sources
@@ -59,7 +60,7 @@ pub fn make_tiles(
         .tiles()
         .filter(|&id| by_tile.contains_key(&id) || has_imagery(id))
         .collect();
-    let bar = progress("tiles", tiles.len() as u64);
+    bar.set_length(tiles.len() as u64);
     let totals = [const { AtomicU64::new(0) }; 3];
     let footprints = sources.buildings.path();
     tiles

@@ -17,6 +17,7 @@ use winit::window::Window;
 use super::ViewerError;
 use super::last_view::{data_folder, recent_cities};
 use super::screen::Screen;
+use crate::city::ImportStage;
 use crate::gpu::Gpu;
 use crate::output::RenderError;
 
@@ -187,6 +188,12 @@ fn layout(
             ui.spinner();
             ui.label(job.text());
         });
+        if let Some(ImportStage { name, done, total }) = job.stage() {
+            let total_text = total.map_or(String::new(), |total| format!(" of {total}"));
+            let part = total.map_or(0.0, |total| done as f32 / total.max(1) as f32);
+            let bar = egui::ProgressBar::new(part).desired_width(WIDTH);
+            ui.add(bar.text(format!("{name}: {done}{total_text}")));
+        }
         return None;
     }
     if form.is_empty() {
