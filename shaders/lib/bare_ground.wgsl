@@ -24,13 +24,16 @@ const BROAD: f32 = 4.0;
 const BROAD_TO_M: vec2<f32> = vec2<f32>(0.10, 0.5);
 const BLOTCHES_TO_M: vec2<f32> = vec2<f32>(0.4, 1.5);
 
-const CONTOUR: vec3<f32> = vec3<f32>(0.16, 0.12, 0.08);
+const CONTOUR: vec3<f32> = vec3<f32>(0.19, 0.155, 0.105);
 // Metres between contours near by; every fifth is bolder. Width of a line, metres and pixels at least.
 const CONTOUR_M: f32 = 2.0;
 const LINE_M: f32 = 0.35;
 const LINE_PIXELS: f32 = 1.2;
-// Width of a pixel up to which no lines are drawn, metres.
+// Width of a pixel up to which no lines are drawn, metres; and how steeply one looks down on a plan: cosines between which they come.
 const NEAR_PIXEL_M: f32 = 0.03;
+const FROM_ABOVE: vec2<f32> = vec2<f32>(0.06, 0.22);
+// Part of them that is drawn on yards.
+const ON_YARDS: f32 = 0.35;
 
 // How much of a pixel contours of an interval cover. `slope`: metres a metre.
 fn contour(height: f32, interval: f32, slope: f32, pixel_m: f32) -> f32 {
@@ -50,9 +53,14 @@ fn contours(height: f32, normal: vec3<f32>, size: f32) -> f32 {
     );
 }
 
+// How dark joints of paving are.
+const JOINT: f32 = 0.45;
+
 // What the ground looks like at a place.
 struct BareGround {
     albedo: vec3<f32>,
+    // Unit normal, with the relief of the tile.
+    normal: vec3<f32>,
     // How light it is by its mean: enlarged imagery gets some of it.
     lightness: f32,
 }
@@ -62,24 +70,42 @@ fn ground_tile(plan: vec2<f32>, size: f32) -> TilePlace {
     return TilePlace(GROUND_LAYER, plan / FINE / ROOF_M, vec2<f32>(size / FINE) / ROOF_M);
 }
 
-// `height`: above the vertical datum; `fine_tile`: the tile at `ground_tile`; `has_plan`: streets are drawn, what lies between them is
-// not paved.
-fn bare_ground(plan: vec2<f32>, height: f32, normal: vec3<f32>, size: f32, fine_tile: vec4<f32>, has_plan: bool) -> BareGround {
+// Where the ground is seen from.
+struct GroundView {
+    // Metres from the city's corner; elevation above the vertical datum.
+    plan: vec2<f32>,
+    height: f32,
+    // Unit normal; cosine between it and the ray.
+    normal: vec3<f32>,
+    facing: f32,
+    // Of a pixel on the ground, metres.
+    size: f32,
+}
+
+// `tile`: the tile at `ground_tile`; `has_plan`: streets are drawn, what lies between them is not paved.
+fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
+    let plan = at.plan;
+    let size = at.size;
     // The same tile larger, turned so that its repetition is not seen. Channels: `src/material/ground_painter.rs`.
     let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BROAD;
     let broad_tile = tile_colour(TilePlace(GROUND_LAYER, turned / ROOF_M, vec2<f32>(size / BROAD) / ROOF_M));
     // Of the whole tile: its last level is one texel.
     let mean = textureLoad(facade_colour, vec2<i32>(0), GROUND_LAYER, textureNumLevels(facade_colour) - 1u);
-    let fine = mix(fine_tile, mean, smoothstep(FINE_TO_M.x, FINE_TO_M.y, size));
+    let near = 1.0 - smoothstep(FINE_TO_M.x, FINE_TO_M.y, size);
+    let fine = mix(tile.colour, mean, smoothstep(FINE_TO_M.x, FINE_TO_M.y, size));
     let broad = mix(broad_tile, mean, smoothstep(BROAD_TO_M.x, BROAD_TO_M.y, size));
     let blotch = (broad_tile.b - mean.b) * (1.0 - smoothstep(BLOTCHES_TO_M.x, BLOTCHES_TO_M.y, size));
     let lightness = fine.a * broad.a / (mean.a * mean.a);
     let tufts = clamp(0.6 * fine.g + 0.4 * broad.g + blotch, 0.0, 1.0);
-    let paved = PAVED * fine.r * broad.r / (mean.r * mean.r);
+    let joints = mix(1.0, 1.0 - JOINT * tile.detail.z, near);
+    let paved = PAVED * fine.r * broad.r / (mean.r * mean.r) * joints;
     let place = plan / (vec2<f32>(frame.grid) * frame.tile_m);
     let covered = textureSampleLevel(site_coverage, imagery_sampler, place, 0, 0.0).r + RAGGED * blotch;
     let settled = smoothstep(YARDS.x, YARDS.y, covered);
     let dense = select(smoothstep(PAVING.x, PAVING.y, covered), 0.0, has_plan);
     let albedo = mix(mix(mix(SOIL, TUFT, tufts), YARD, settled) * lightness, paved, dense);
-    return BareGround(mix(albedo, CONTOUR, (1.0 - dense) * contours(height, normal, size)), lightness);
+    let lines = mix(1.0, ON_YARDS, settled) * (1.0 - dense) * smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, at.facing);
+    let slope = near * tile_slope(tile.detail);
+    let normal = normalize(at.normal - vec3<f32>(slope, 0.0));
+    return BareGround(mix(albedo, CONTOUR, lines * contours(at.height, at.normal, size)), normal, lightness);
 }

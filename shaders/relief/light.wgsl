@@ -187,12 +187,14 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let seen = imagery_at(at.xy, size);
         if is_ground {
             let has_plan = seen.has_tile && !has_orthophotos();
-            let bare = bare_ground(plan, at.z + frame.eye_elevation, normal, size, texel.colour, has_plan);
+            let ground = GroundView(plan, at.z + frame.eye_elevation, normal, -dot(direction, normal), size);
+            let bare = bare_ground(ground, texel, has_plan);
             // Where the imagery tells no more.
             let enlarged = 1.0 - smoothstep(0.25, 1.0, seen.texels);
             let photographed = seen.colour.rgb * mix(1.0, bare.lightness, ENLARGED_GRAIN * enlarged);
             let shown = min(seen.colour.a / 0.87, 1.0);
-            material = Material(mix(bare.albedo, photographed, shown), normal, 0.0, 0.0);
+            let relief_normal = normalize(mix(bare.normal, normal, shown));
+            material = Material(mix(bare.albedo, photographed, shown), relief_normal, 0.0, 0.0);
         } else {
             material = roof_material(code, id, texel);
             if is_flat_roof(code) { material = with_parapet(material, id, at.xy, pixel_m); }

@@ -1,11 +1,15 @@
 //! The grain of ground that no imagery shows: a square of some metres, twice in a tile like a roof's. Deterministic.
 //! What its channels mean: `shaders/lib/bare_ground.wgsl`.
 
-use super::canvas::{Canvas, Texel};
+use super::canvas::{Canvas, TILE_SIZE, Texel};
 use super::noise::{hash, value_noise};
 use super::roof_painter::ROOF_M;
 
-/// Red: how light paving is; green: tufts; blue: blotches; glass: how light soil is.
+/// Sides of a slab of paving, by a tile's sides, and the width of a joint between two, texels.
+const SLABS: [f32; 2] = [4.0, 2.0];
+const JOINT_TEXELS: f32 = 1.5;
+
+/// Red: how light paving is; green: tufts; blue: blotches; glass: how light soil is; tint: joints of paving.
 pub fn paint_ground() -> Canvas {
     Canvas::new(ROOF_M, |position| {
         let [x, y] = position;
@@ -33,11 +37,21 @@ pub fn paint_ground() -> Canvas {
             + 0.14 * (noise(128, 61) - 0.5)
             + 0.14 * (noise(32, 62) - 0.5)
             + stones;
+        let to_joint = |k: usize| {
+            let part = (position[k] / ROOF_M[k] * SLABS[k]).fract();
+            (part.min(1.0 - part) / SLABS[k]) * TILE_SIZE[k] as f32
+        };
+        let joint = 1.0
+            - step(
+                0.5 * JOINT_TEXELS,
+                0.5 * JOINT_TEXELS + 1.0,
+                to_joint(0).min(to_joint(1)),
+            );
         Texel {
             albedo: [paving, 0.9 * tufts, blotch],
-            height_m: 0.0,
+            height_m: 0.012 * (noise(128, 57) + 0.6 * speck),
             glass: soil,
-            tint: 0.0,
+            tint: joint,
         }
     })
 }

@@ -34,8 +34,15 @@ pub fn paint_roof(style: RoofStyle) -> Canvas {
         match style {
             RoofStyle::Gravel => {
                 let speck = hash((x * 16.0) as u32, (y * 16.0) as u32, 43);
-                let shade = 0.88 + 0.14 * (broad - 0.5) + 0.16 * (speck - 0.5) + 0.10 * (fine - 0.5);
-                Texel::dull([0.33, 0.315, 0.29].map(|c| c * shade), 0.01 * speck)
+                // Walkways of slabs, where one goes to look after the roof.
+                let slab = y % 8.0 < 0.5 && (x % 0.5) > 0.03;
+                let shade = 0.88 + 0.14 * (broad - 0.5) + 0.30 * (speck - 0.5) + 0.14 * (fine - 0.5);
+                let colour = if slab {
+                    [0.40, 0.395, 0.38]
+                } else {
+                    [0.33, 0.315, 0.29]
+                };
+                Texel::dull(colour.map(|c| c * shade), 0.01 * speck)
             }
             RoofStyle::Tiles => {
                 let tile = courses(position, ROOF_M[0], tiles([0.25, 0.25], 0.05));
