@@ -10,9 +10,9 @@ use geo::MultiPolygon;
 use rayon::prelude::*;
 
 use super::UpdateOptions;
-use super::parents::changed_parents;
+use super::parents::{changed_parents, read_ancestors};
 use super::tile_change::TileChange;
-use crate::buildings::{Building, MapTile, triangle_bytes};
+use crate::buildings::{Building, BuildingMap, MapTile, triangle_bytes};
 use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::rules_file::FACADES;
@@ -109,7 +109,8 @@ pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Chan
     let ids: Vec<TileId> = manifest.grid.tiles().collect();
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
     let (tiles, totals) = changed_tiles(place, &ids, &by_tile)?;
-    let parents = changed_parents(city, &tiles)?;
+    let ancestors = read_ancestors(city, tiles.iter().map(|tile| tile.id));
+    let parents = changed_parents(city, &tiles, ancestors)?;
     let repaired = |fid: u32| -> Option<&MultiPolygon<f64>> {
         let index = buildings
             .binary_search_by_key(&fid, |building| building.fid)
@@ -269,8 +270,12 @@ fn replacing(
     buildings.extend(after.iter().cloned());
     buildings.sort_by_key(|building| building.fid);
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
-    let (tiles, _) = changed_tiles(place, &ids, &by_tile)?;
-    let parents = changed_parents(place.city, &tiles)?;
+    let (changed, ancestors) = rayon::join(
+        || changed_tiles(place, &ids, &by_tile),
+        || read_ancestors(place.city, ids.iter().copied()),
+    );
+    let (tiles, _) = changed?;
+    let parents = changed_parents(place.city, &tiles, ancestors)?;
     let bytes = |buildings: &[Building]| -> u64 {
         buildings
             .iter()
@@ -376,7 +381,7 @@ fn changed_tiles(
     let city = place.city;
     let manifest = city.manifest();
     let totals = [const { AtomicU64::new(0) }; 2];
-    let changed = |&id: &TileId| -> Result<Option<TileChange>, CityError> {
+    let map_of = |id: TileId| -> Result<Option<BuildingMap>, CityError> {
         let map = by_tile.get(&id).map(|buildings| {
             building_map(&manifest.grid, id, manifest.tile_texels, buildings).map_err(|source| {
                 CityError::TileTooLarge {
@@ -396,9 +401,12 @@ fn changed_tiles(
             totals[0].fetch_add(1, Ordering::Relaxed);
             totals[1].fetch_add(MapTile::bytes_of(map), Ordering::Relaxed);
         }
+        Ok(map)
+    };
+    let changed = |&id: &TileId| -> Result<Option<TileChange>, CityError> {
         // A damaged tile is one that differs.
-        let before = city.buildings(id).ok().flatten();
-        Ok(TileChange::between(city, id, before, map))
+        let (before, map) = rayon::join(|| city.buildings(id).ok().flatten(), || map_of(id));
+        Ok(TileChange::between(city, id, before, map?))
     };
     let changes = ids.par_iter().filter_map(|id| changed(id).transpose());
     let changes = changes.collect::<Result<Vec<_>, _>>()?;

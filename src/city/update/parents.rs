@@ -9,10 +9,13 @@ use crate::buildings::{BuildingMap, coarser, coarser_updated};
 use crate::city::{City, CityError};
 use crate::space::TileId;
 
-/// The tiles over changed ones whose maps become other ones, level after level.
-pub fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChange>, CityError> {
+/// The tiles over changed ones whose maps become other ones, level after level. `before`: what `read_ancestors` gives for them.
+pub fn changed_parents(
+    city: &City,
+    tiles: &[TileChange],
+    mut before: HashMap<TileId, BuildingMap>,
+) -> Result<Vec<TileChange>, CityError> {
     let grid = &city.manifest().grid;
-    let mut before = read_ancestors(city, tiles);
     let mut parents: Vec<TileChange> = Vec::new();
     let mut below = 0..tiles.len();
     for level in 1..grid.levels() {
@@ -40,11 +43,10 @@ pub fn changed_parents(city: &City, tiles: &[TileChange]) -> Result<Vec<TileChan
 /// Levels whose maps are read at once: farther up a change of a building or two is hardly ever seen.
 const LEVELS_AT_ONCE: u32 = 3;
 
-/// The maps over changed tiles on the first levels as they are, at once; without those that are damaged, which differ from any.
-fn read_ancestors(city: &City, tiles: &[TileChange]) -> HashMap<TileId, BuildingMap> {
+/// The maps over tiles on the first levels as they are, at once; without those that are damaged, which differ from any.
+pub fn read_ancestors(city: &City, tiles: impl IntoIterator<Item = TileId>) -> HashMap<TileId, BuildingMap> {
     let mut ids: BTreeSet<TileId> = BTreeSet::new();
-    for tile in tiles {
-        let mut id = tile.id;
+    for mut id in tiles {
         for _ in 1..city.manifest().grid.levels().min(1 + LEVELS_AT_ONCE) {
             id = id.parent();
             ids.insert(id);

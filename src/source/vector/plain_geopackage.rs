@@ -83,6 +83,8 @@ const COSTLY: [&str; 17] = [
 ];
 /// Fewest cells of a node of a spatial index but the root (SQLite's R*Tree module fills nodes by a third; those of two dimensions have 51).
 const MIN_CELLS: f64 = 17.0;
+/// Bytes of such a node: a head, and a cell of 24 bytes each.
+const NODE_BYTES: f64 = 4.0 + 24.0 * MIN_CELLS;
 
 /// A statement without the names and texts in it, which may be anything; none where it has a comment, in which they may seem to begin.
 fn outside_quotes(sql: &str) -> Option<String> {
@@ -164,18 +166,19 @@ fn fault_of_writing(database: &Connection) -> rusqlite::Result<Option<String>> {
     let indices: Vec<String> = list
         .query_map((), |row| row.get(0))?
         .collect::<rusqlite::Result<_>>()?;
+    // Counting the nodes would read them all; a file has room for so many.
+    let bytes = "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size";
+    let most_nodes = database.query_row(bytes, (), |row| row.get::<_, f64>(0))? / NODE_BYTES;
     for name in indices {
         let name = name.replace('"', "\"\"");
         // A node begins with the depth of the tree, where it is the root.
-        let query = format!(
-            "SELECT (SELECT count(*) FROM \"{name}\"), (SELECT hex(substr(data, 1, 2)) FROM \"{name}\" WHERE nodeno = 1)"
-        );
-        let (nodes, depth): (f64, Option<String>) =
-            database.query_row(&query, (), |row| Ok((row.get(0)?, row.get(1)?)))?;
-        let depth = depth
+        let query = format!("SELECT hex(substr(data, 1, 2)) FROM \"{name}\" WHERE nodeno = 1");
+        let root: Option<Option<String>> = database.query_row(&query, (), |row| row.get(0)).optional()?;
+        let depth = root
+            .flatten()
             .and_then(|depth| u32::from_str_radix(&depth, 16).ok())
             .unwrap_or(0);
-        if f64::from(depth) > 2.0 + nodes.max(1.0).log(MIN_CELLS) {
+        if f64::from(depth) > 2.0 + most_nodes.max(1.0).log(MIN_CELLS) {
             return Ok(Some(
                 "its spatial index is none: it is deeper than its nodes allow".to_owned(),
             ));

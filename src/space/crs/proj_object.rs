@@ -20,6 +20,12 @@ impl Drop for Context {
     }
 }
 
+thread_local! {
+    /// This thread's: each opens PROJ's database for itself, which takes longer than most questions.
+    // SAFETY: nothing is asked of it before it is made.
+    static CONTEXT: Rc<Context> = Rc::new(Context(unsafe { sys::proj_context_create() }));
+}
+
 /// A CRS, a part of one, or a coordinate operation (`proj_operation`).
 pub struct ProjObject {
     /// Never null.
@@ -63,7 +69,7 @@ impl ProjObject {
         let definition = CString::new(text).map_err(|_| "it holds a NUL character".to_owned())?;
         // SAFETY: the text and the context outlive the calls.
         unsafe {
-            let context = Rc::new(Context(sys::proj_context_create()));
+            let context = CONTEXT.with(Rc::clone);
             let raw = sys::proj_create(context.0, definition.as_ptr());
             if raw.is_null() {
                 // PROJ's own reasons are "unknown error" and "invalid PROJ string", whatever was given.
