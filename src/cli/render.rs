@@ -110,7 +110,6 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     let city = City::open(&args.city)?;
     let place = city.manifest().place;
     let view = view(args, &city)?;
-    let sun = view.sun_or(sun(args.time.as_deref(), place)?, place)?;
     let camera = view.camera(&args.camera.camera(view.pose(), args.size)?.optics);
     let flare = args.camera.flare(&camera)?;
     let mesh = if args.terrain_grid {
@@ -118,13 +117,20 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
     } else {
         TerrainMesh::Tin
     };
-    let gpu = Gpu::open().map_err(RenderError::from)?;
     let options = PoolOptions {
         // Only the sun's way into a lens is cast on the CPU.
         casts_rays: flare.is_some(),
         ..args.pool.options(mesh)
     };
-    let mut renderer = Renderer::open(gpu, &city, options)?;
+    // The sky's tables are made while the device is opened.
+    let (opened, sun) = std::thread::scope(|scope| {
+        let opening = || Renderer::open(Gpu::open().map_err(RenderError::from)?, &city, options);
+        let opening = scope.spawn(opening);
+        let sun = sun(args.time.as_deref(), place).and_then(|sun| Ok(view.sun_or(sun, place)?));
+        (opening.join(), sun)
+    });
+    let sun = sun?;
+    let mut renderer = opened.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
     if args.relief.relief == ReliefMode::Polygons {
         renderer.load_polygons(&city)?;
     }

@@ -19,11 +19,11 @@ mod roof_painter;
 mod textures;
 
 pub use building_material::{BuildingMaterial, Facade};
-pub use canvas::{Canvas, MAX_SLOPE, TILE_SIZE, WALL_GREY};
+pub use canvas::{Canvas, MAX_SLOPE, TILE_SIZE, TileLevel, WALL_GREY};
 pub use facade_painter::{FacadeBand, paint_facade};
 pub use facade_rules::{FacadeRules, RulesError};
 pub use facade_style::{FacadeStyle, RoofStyle};
 pub use ground_painter::paint_ground;
 pub use own_facade::{MAX_OWN_FACADES, OwnFacade, facade_from_picture};
 pub use roof_painter::{ROOF_M, paint_roof};
-pub use textures::{FACADE_LAYERS, GROUND_LAYER, MaterialTextures, OWN_LAYERS, OwnTiles};
+pub use textures::{FACADE_LAYERS, GROUND_LAYER, MaterialTextures, OWN_LAYERS, OwnTiles, painted_tiles};

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::canvas::{Canvas, TILE_SIZE, WALL_GREY};
+use super::canvas::{Canvas, TILE_SIZE, TileLevel, WALL_GREY};
 use super::facade_painter::{FacadeBand, paint_facade};
 use super::ground_painter::paint_ground;
 use super::roof_painter::paint_roof;
@@ -27,6 +27,22 @@ pub struct OwnTiles {
     pub bay_m: f64,
 }
 
+/// All tiles with their levels, layer by layer, the user's own behind the others.
+pub fn painted_tiles(own: &[OwnTiles]) -> Vec<Vec<TileLevel>> {
+    let facades = FacadeStyle::ALL
+        .iter()
+        .flat_map(|&style| FacadeBand::ALL.map(|band| (style, band)));
+    let facades: Vec<_> = facades.collect();
+    let painted = facades
+        .into_par_iter()
+        .map(|(style, band)| paint_facade(style, band));
+    let painted = painted.chain(RoofStyle::ALL.into_par_iter().map(paint_roof));
+    let painted = painted.chain(rayon::iter::once(()).map(|()| paint_ground()));
+    let mut tiles: Vec<_> = painted.map(|canvas: Canvas| canvas.levels()).collect();
+    tiles.extend(own.iter().flat_map(|facade| &facade.bands).map(Canvas::levels));
+    tiles
+}
+
 /// The textures.
 pub struct MaterialTextures {
     /// Reflectance and glass, a layer a tile.
@@ -38,22 +54,11 @@ pub struct MaterialTextures {
 }
 
 impl MaterialTextures {
-    /// Paints and uploads all, and the user's own.
+    /// Uploads what [`painted_tiles`] gives.
     ///
     /// # Errors
     /// When the device cannot hold them.
-    pub fn new(gpu: &Gpu, own: &[OwnTiles]) -> Result<Self, GpuError> {
-        let facades = FacadeStyle::ALL
-            .iter()
-            .flat_map(|&style| FacadeBand::ALL.map(|band| (style, band)));
-        let facades: Vec<_> = facades.collect();
-        let painted = facades
-            .into_par_iter()
-            .map(|(style, band)| paint_facade(style, band));
-        let painted = painted.chain(RoofStyle::ALL.into_par_iter().map(paint_roof));
-        let painted = painted.chain(rayon::iter::once(()).map(|()| paint_ground()));
-        let mut tiles: Vec<_> = painted.map(|canvas: Canvas| canvas.levels()).collect();
-        tiles.extend(own.iter().flat_map(|facade| &facade.bands).map(Canvas::levels));
+    pub fn new(gpu: &Gpu, tiles: &[Vec<TileLevel>], own: &[OwnTiles]) -> Result<Self, GpuError> {
         let size = TILE_SIZE.map(|side| side as u32);
         let levels = tiles.first().map_or(1, Vec::len) as u32;
         let pool = |label, format| LayerPool::new(gpu, label, format, size, levels);
@@ -62,7 +67,7 @@ impl MaterialTextures {
         for pool in [&mut colour, &mut detail] {
             pool.reserve(gpu, tiles.len() as u32)?;
         }
-        for tile in &tiles {
+        for tile in tiles {
             let layers = [colour.take(gpu)?.0, detail.take(gpu)?.0];
             for (level, texels) in (0..).zip(tile) {
                 colour.write(gpu, layers[0], level, &texels.colour);

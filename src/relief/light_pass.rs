@@ -11,7 +11,7 @@ use crate::gpu::{
     BySize, FILTERED, FLOAT, Gpu, GpuError, PipelineParameters, SAMPLER, color_target, shader_module,
     texture, texture_array,
 };
-use crate::material::{MaterialTextures, OwnTiles};
+use crate::material::MaterialTextures;
 use crate::scene::Resident;
 
 /// The pipeline.
@@ -51,11 +51,11 @@ impl LightPass {
     /// For the layouts of groups 0 and 1.
     ///
     /// # Errors
-    /// When the device cannot hold the materials.
+    /// When the device cannot hold its tables.
     pub fn new(
         gpu: &Gpu,
         [frame, city]: [&wgpu::BindGroupLayout; 2],
-        own: &[OwnTiles],
+        materials: MaterialTextures,
     ) -> Result<Self, GpuError> {
         let module = shader_module(gpu, &LIGHT);
         let input_layout = gpu.layout("shade input", &Self::INPUT);
@@ -71,7 +71,7 @@ impl LightPass {
             )),
             sampler: gpu.linear_sampler("imagery", true),
             tiling_sampler: gpu.tiling_sampler("materials"),
-            materials: MaterialTextures::new(gpu, own)?,
+            materials,
             sky: SkyTables::new(gpu)?,
             sun_bounds: SunBoundsTexture::new(gpu)?,
             input_layout,

@@ -15,7 +15,7 @@ use super::settings::ReliefMode;
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
 use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
-use crate::material::OwnTiles;
+use crate::material::{MaterialTextures, OwnTiles, painted_tiles};
 use crate::scene::{Frustum, Resident};
 use crate::space::Sun;
 
@@ -48,15 +48,29 @@ impl ReliefPass {
         let frame_layout = gpu.layout("frame", &Self::FRAME);
         let city = CityBindings::new(gpu, resident);
         let layouts = [&frame_layout, &city.layout];
+        // The materials are painted while the device compiles.
+        let (tiles, (ground, cone, exact, search, ambient)) = rayon::join(
+            || painted_tiles(own),
+            || {
+                (
+                    GroundPass::new(gpu, layouts),
+                    ConePass::new(gpu, layouts),
+                    ExactPass::new(gpu, layouts),
+                    SearchPass::new(gpu, layouts),
+                    AmbientPass::new(gpu, layouts),
+                )
+            },
+        );
+        let materials = MaterialTextures::new(gpu, &tiles, own)?;
         Ok(Self {
             frame: gpu.group("frame", &frame_layout, &[uniforms.binding()]),
             uniforms,
-            ground: GroundPass::new(gpu, layouts),
-            cone: ConePass::new(gpu, layouts),
-            exact: ExactPass::new(gpu, layouts),
-            search: SearchPass::new(gpu, layouts),
-            ambient: AmbientPass::new(gpu, layouts),
-            shade: LightPass::new(gpu, layouts, own)?,
+            ground,
+            cone,
+            exact,
+            search,
+            ambient,
+            shade: LightPass::new(gpu, layouts, materials)?,
             polygons: None,
             targets: BySize::default(),
             frame_layout,
