@@ -15,7 +15,7 @@ fn facade_of(code: u32) -> u32 {
     let number = code & 127u;
     return select(0u, number, number < textureDimensions(facade_palette).y);
 }
-// The first layer of a facade: the user's own stand behind the roofs.
+// The first layer of a facade: the user's own stand behind roofs and ground.
 fn facade_layer(facade: u32) -> u32 {
     let own = OWN_LAYERS + (max(facade, FACADES) - FACADES) * FACADE_BANDS;
     return select(facade * FACADE_BANDS, own, facade >= FACADES);

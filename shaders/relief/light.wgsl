@@ -26,20 +26,18 @@ struct Imagery {
     colour: vec4<f32>,
     // Its texels in a pixel: fewer than one where it is enlarged.
     texels: f32,
-    // Whether a tile stands there, be it empty at the place.
-    has_tile: bool,
 }
 
 // Imagery at an eye-relative position. `size`: of a pixel on the surface, metres.
 fn imagery_at(plan: vec2<f32>, size: f32) -> Imagery {
     let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + plan) / frame.tile_m));
     let entry = imagery_entry(tile);
-    if entry.slot < 0 { return Imagery(vec4<f32>(0.0), 1.0, false); }
+    if entry.slot < 0 { return Imagery(vec4<f32>(0.0), 1.0); }
     let tile_m = level_tile_m(entry.level);
     let uv = (plan - tile_corner(tile_over(tile, entry.level))) / tile_m;
     let texels = size * frame.imagery_side / tile_m;
     let colour = textureSampleLevel(imagery, imagery_sampler, vec2<f32>(uv.x, 1.0 - uv.y), entry.slot, log2(max(texels, 1.0)));
-    return Imagery(colour, texels, true);
+    return Imagery(colour, texels);
 }
 
 // Width of a pixel on a surface that the ray meets with the cosine `facing`, metres: between that across and that along the ray.
@@ -186,7 +184,8 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     } else {
         let seen = imagery_at(at.xy, size);
         if is_ground {
-            let has_plan = seen.has_tile && !has_orthophotos();
+            // Imagery that is none of orthophotos is a plan of streets.
+            let has_plan = frame.imagery_side > 0.0 && !has_orthophotos();
             let ground = GroundView(plan, at.z + frame.eye_elevation, normal, -dot(direction, normal), size);
             let bare = bare_ground(ground, texel, has_plan);
             // Where the imagery tells no more.

@@ -163,21 +163,21 @@ impl Editor {
     }
 
     /// Keeps a copy of the footprint dataset while the tiles show it: what others edit in it is found by it at once. Cheap when there
-    /// is one of this state already.
+    /// is one of this state already. Whether one was made.
     ///
     /// # Errors
     /// When the copy cannot be made: all footprints are compared then.
-    pub fn keep_known(&mut self) -> Result<(), CityError> {
+    pub fn keep_known(&mut self) -> Result<bool, CityError> {
         let city = City::open(&self.city)?;
         let generation = city.manifest().generation;
         let is_kept = self.known.as_ref().is_some_and(|(of, _)| *of == generation);
         if is_kept || city.edited_dataset().is_some() {
-            return Ok(());
+            return Ok(false);
         }
         self.known = None;
         let dataset = city.footprint_dataset_path();
         if fs::metadata(&dataset).map_or(u64::MAX, |data| data.len()) > MAX_KNOWN_BYTES {
-            return Ok(());
+            return Ok(false);
         }
         fs::create_dir_all(&self.scratch).map_err(CityError::file(&self.scratch))?;
         let path = self.scratch.join("known.gpkg");
@@ -186,7 +186,7 @@ impl Editor {
         if City::open(&self.city)?.manifest().generation == generation && city.edited_dataset().is_none() {
             self.known = Some((generation, path));
         }
-        Ok(())
+        Ok(true)
     }
 
     /// The datasets of an edit.

@@ -5,7 +5,7 @@ use super::canvas::{Canvas, TILE_SIZE, Texel};
 use super::noise::{hash, value_noise};
 use super::roof_painter::ROOF_M;
 
-/// Sides of a slab of paving, by a tile's sides, and the width of a joint between two, texels.
+/// Slabs of paving along a tile's sides, and the width of a joint between two, texels.
 const SLABS: [f32; 2] = [4.0, 2.0];
 const JOINT_TEXELS: f32 = 1.5;
 

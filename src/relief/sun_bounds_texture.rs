@@ -56,8 +56,8 @@ impl SunBoundsTexture {
         })
     }
 
-    /// Makes them for a view. Where frames do not wait, beside them and only once nothing has changed for a while: until then every ray is
-    /// cast.
+    /// Makes them for a view. Where frames do not wait, beside them and only once nothing has changed for a while: until then those of
+    /// the same tiles and sun serve, or every ray is cast.
     pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, sun: &Sun, eye: DVec2) {
         let texel_m = resident.texel_m;
         let drift = DRIFT * texel_m * SUN_CELLS as f64;
@@ -80,7 +80,7 @@ impl SunBoundsTexture {
         let finished = self.job.as_ref().map(|(of, bounds)| (*of, bounds.try_recv()));
         match finished {
             Some((_, Err(TryRecvError::Empty))) => return,
-            Some((of, Ok(bounds))) => self.take(gpu, of, bounds),
+            Some((of, Ok(bounds))) if of.0 == key.0 => self.take(gpu, of, bounds),
             _ => {}
         }
         self.job = None;

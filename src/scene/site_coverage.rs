@@ -2,22 +2,20 @@
 //! building maps, so that it follows an update.
 
 use super::SceneError;
-use super::tile_set::TileSet;
+use super::tile_set::{TILE_SQUARES, TileSet};
 use crate::gpu::{Gpu, LayerPool};
 use crate::space::{TileGrid, TileId};
 
-/// Squares along a tile's side at most; fewer in a city of more than [`MAX_SQUARES`].
-pub const TILE_SQUARES: usize = 16;
 /// Squares of a city at most.
 const MAX_SQUARES: u64 = 1 << 20;
-/// Neighbours on a side that a square's mean is taken with, of [`TILE_SQUARES`]: about 100 m for tiles of 512 m.
-const REACH: usize = 2;
+/// Radius of the tent that a square's mean is taken by, squares of [`TILE_SQUARES`]: about 100 m for tiles of 512 m.
+const RADIUS: usize = 2;
 
 /// The coverage of the whole city.
 pub struct SiteCoverage {
     /// One layer, 1 where all is covered; rows from the south.
     pub image: LayerPool,
-    /// Squares along a tile's side.
+    /// Squares along a tile's side: [`TILE_SQUARES`], fewer in a city of more than [`MAX_SQUARES`].
     squares: usize,
     /// Columns and rows of squares.
     size: [usize; 2],
@@ -59,9 +57,9 @@ impl SiteCoverage {
         }
         if covered != self.covered {
             self.covered = covered;
-            let reach = (REACH * self.squares / TILE_SQUARES).max(1);
+            let radius = (RADIUS * self.squares / TILE_SQUARES).max(1);
             self.image
-                .write(gpu, 0, 0, &smoothed(&self.covered, self.size, reach));
+                .write(gpu, 0, 0, &smoothed(&self.covered, self.size, radius));
         }
     }
 
@@ -69,45 +67,63 @@ impl SiteCoverage {
     fn fill(&self, covered: &mut [u8], id: TileId, of_tile: &[u8]) {
         let side = self.squares << id.level;
         let first = [id.x, id.y].map(|index| index as usize * side);
-        let place = |k: usize| k * TILE_SQUARES / side;
+        // Entries of the tile that lie in a square of the city, or one that several squares lie in.
+        let per = (TILE_SQUARES / side).max(1);
+        let mean = |x: usize, y: usize| {
+            let [column, row] = [x, y].map(|k| k * TILE_SQUARES / side);
+            let rows = of_tile.chunks_exact(TILE_SQUARES).skip(row).take(per);
+            let sum: u32 = rows
+                .flat_map(|row| &row[column..column + per])
+                .map(|&part| u32::from(part))
+                .sum();
+            (sum / (per * per) as u32) as u8
+        };
         for y in 0..side.min(self.size[1].saturating_sub(first[1])) {
             let row = &mut covered[(first[1] + y) * self.size[0]..][..self.size[0]];
-            let from = &of_tile[place(y) * TILE_SQUARES..][..TILE_SQUARES];
             for (x, square) in row[first[0].min(self.size[0])..]
                 .iter_mut()
                 .take(side)
                 .enumerate()
             {
-                *square = from[place(x)];
+                *square = mean(x, y);
             }
         }
     }
 }
 
-/// The mean of each square and those round it, by a tent of `reach` squares on each side.
-fn smoothed(values: &[u8], size: [usize; 2], reach: usize) -> Vec<u8> {
-    let weights: Vec<u32> = (0..=2 * reach)
-        .map(|k| (reach + 1 - k.abs_diff(reach)) as u32)
+/// The mean of each square and those round it, by a tent of `radius` squares on each side.
+fn smoothed(values: &[u8], [columns, rows]: [usize; 2], radius: usize) -> Vec<u8> {
+    let weights: Vec<u32> = (0..=2 * radius)
+        .map(|k| (radius + 1 - k.abs_diff(radius)) as u32)
         .collect();
     let total = weights.iter().sum::<u32>();
-    let mean = |count: usize, k: usize, at: &dyn Fn(usize) -> u32| {
-        let sum = |(offset, weight): (usize, &u32)| match (k + offset).checked_sub(reach) {
-            Some(place) if place < count => weight * at(place),
-            _ => 0,
-        };
-        weights.iter().enumerate().map(sum).sum::<u32>()
+    let add = |sums: &mut [u32], values: &[u32], weight: u32| {
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum += weight * value;
+        }
     };
-    let [columns, rows] = size;
-    let across: Vec<u32> = (0..columns * rows)
-        .map(|k| {
-            let row = &values[k / columns * columns..][..columns];
-            mean(columns, k % columns, &|x| u32::from(row[x]))
-        })
-        .collect();
-    let up = |k: usize| mean(rows, k / columns, &|y| across[y * columns + k % columns]);
-    (0..columns * rows)
-        .map(|k| (up(k) / (total * total)) as u8)
-        .collect()
+    let wide: Vec<u32> = values.iter().map(|&value| u32::from(value)).collect();
+    let mut across = vec![0; columns * rows];
+    for (sums, row) in across.chunks_exact_mut(columns).zip(wide.chunks_exact(columns)) {
+        for (k, &weight) in weights.iter().enumerate() {
+            // What lies k - radius squares to the east; beyond the city nothing stands.
+            let (from, to) = (
+                k.saturating_sub(radius).min(columns),
+                radius.saturating_sub(k).min(columns),
+            );
+            add(&mut sums[to..], &row[from..], weight);
+        }
+    }
+    let mut up = vec![0; columns * rows];
+    for (y, sums) in up.chunks_exact_mut(columns).enumerate() {
+        for (k, &weight) in weights.iter().enumerate() {
+            let row = (y + k).checked_sub(radius).filter(|row| *row < rows);
+            if let Some(row) = row {
+                add(sums, &across[row * columns..][..columns], weight);
+            }
+        }
+    }
+    up.into_iter().map(|sum| (sum / (total * total)) as u8).collect()
 }
 
 #[cfg(test)]

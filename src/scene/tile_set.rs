@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use glam::{DVec2, IVec2};
 
-use super::site_coverage::TILE_SQUARES;
 use super::tile_table::{TileTable, level_and_slot};
 use super::{MAPS, TERRAIN};
 use crate::buildings::{MapTile, Pyramid};
 use crate::space::{TileGrid, TileId};
 use crate::terrain::{GroundBounds, HeightTile};
+
+/// Squares along a tile's side of which it is known what buildings cover.
+pub const TILE_SQUARES: usize = 16;
 
 /// The ground of a tile as rays walk it.
 #[derive(Clone, Debug)]

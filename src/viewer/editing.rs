@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::city::{Edit, EditReport, Editor};
 
@@ -43,8 +43,10 @@ pub struct Editing {
     pub depth: [usize; 2],
 }
 
-/// So long after the last command the thread looks after its copy of the dataset.
-const IDLE: Duration = Duration::from_millis(200);
+/// The thread looks after its copy of the dataset so often, and so soon after a command, or after so many times what the last copy took.
+const IDLE: Duration = Duration::from_millis(1500);
+const SOON: Duration = Duration::from_millis(200);
+const COPIES: u32 = 4;
 
 impl Editing {
     /// For a city.
@@ -54,15 +56,23 @@ impl Editing {
         let scratch = std::env::temp_dir().join(format!("rilievo-edits-{}", std::process::id()));
         let mut editor = Editor::new(city, scratch);
         let thread = std::thread::spawn(move || {
+            let (mut wait, mut copied) = (IDLE, Duration::ZERO);
             loop {
-                match queue.recv_timeout(IDLE) {
+                match queue.recv_timeout(wait) {
                     Ok(command) => {
+                        wait = SOON.max(COPIES * copied).min(IDLE);
                         if answers.send(outcome_of(&mut editor, &command)).is_err() {
                             break;
                         }
                     }
                     // Without the copy edits of others only take longer.
-                    Err(RecvTimeoutError::Timeout) => drop(editor.keep_known()),
+                    Err(RecvTimeoutError::Timeout) => {
+                        let begun = Instant::now();
+                        if let Ok(true) = editor.keep_known() {
+                            copied = begun.elapsed();
+                        }
+                        wait = IDLE;
+                    }
                     Err(RecvTimeoutError::Disconnected) => break,
                 }
             }

@@ -22,10 +22,12 @@ pub struct Pace {
     /// The band of the resting image's next sample, and what the bands before it took.
     band: Band,
     spent: Duration,
-    /// What a sample in full took last; before the first one, what one in motion lets expect.
+    /// What a sample in full takes, about.
     full: Duration,
-    /// Whether it was measured.
-    is_full_known: bool,
+    /// The same by the pixels of the last frame in motion, and by how many times too much that was: such frames are so small that
+    /// most of their time goes elsewhere than into pixels.
+    in_motion: Duration,
+    excess: f64,
     /// Whether an image of a lower resolution is to bridge the time until the first whole one.
     is_bridge_due: bool,
     /// Samples that a resting image gets.
@@ -60,6 +62,8 @@ const USED: f64 = 0.9;
 /// A whole image that takes longer than this is bridged by one at this scale.
 const SLOW: Duration = Duration::from_millis(850);
 const BRIDGE: f64 = 0.75;
+/// Frames in motion are taken for no more times too long than this.
+const MAX_EXCESS: f64 = 8.0;
 /// A band takes about so long, so that the window answers in between; and how many there are at most.
 const BAND: Duration = Duration::from_millis(80);
 const MAX_BANDS: u32 = 16;
@@ -79,7 +83,8 @@ impl Pace {
             band: Band::WHOLE,
             spent: Duration::ZERO,
             full: Duration::ZERO,
-            is_full_known: false,
+            in_motion: Duration::ZERO,
+            excess: 1.0,
             is_bridge_due: false,
             max_samples: MAX_SAMPLES,
             frames_per_s: FRAMES_PER_S,
@@ -149,10 +154,14 @@ impl Pace {
         let stands_in = !self.is_moving && step.scale < 1.0;
         self.samples = if stands_in { 0 } else { step.sample + 1 };
         self.is_bridge_due &= !stands_in;
-        // Frames in motion are so small that most of their time goes elsewhere than into pixels.
-        if !(self.is_moving && self.is_full_known) {
-            self.full = took.div_f64(step.scale * step.scale);
-            self.is_full_known = !self.is_moving;
+        let by_pixels = took.div_f64(step.scale * step.scale);
+        if self.is_moving {
+            self.in_motion = by_pixels;
+            self.full = by_pixels.div_f64(self.excess);
+        } else {
+            self.full = by_pixels;
+            self.excess =
+                (self.in_motion.as_secs_f64() / by_pixels.as_secs_f64().max(1e-4)).clamp(1.0, MAX_EXCESS);
         }
         if !self.is_moving {
             return Some(took);

@@ -1,5 +1,6 @@
 //! How far an import is: a bar on standard error, when that is a terminal, and for who asks.
 
+use std::fmt;
 use std::sync::{Arc, Mutex};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -7,8 +8,15 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::space::TileGrid;
 
 /// How far an import is; copies tell of the same one.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct ImportProgress(Arc<Mutex<Option<ProgressBar>>>);
+
+impl fmt::Debug for ImportProgress {
+    /// The same however far it is: what an import is asked is known by its options' text (`cache_key`).
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("ImportProgress")
+    }
+}
 
 /// A stage of an import.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,5 +89,26 @@ pub fn announce(grid: &TileGrid, terrain_side: usize, built_tiles: usize) {
             "import: buildings stand on {:.1} % of them; parts far apart are better imported as cities of their own",
             100.0 * part
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_reads_the_same_however_far_it_is() {
+        let progress = ImportProgress::default();
+        let before = format!("{progress:?}");
+        let bar = progress.begin("tiles");
+        bar.set_length(7);
+        bar.inc(3);
+        assert_eq!(format!("{progress:?}"), before);
+        let stage = ImportStage {
+            name: "tiles".to_owned(),
+            done: 3,
+            total: Some(7),
+        };
+        assert_eq!(progress.stage(), Some(stage));
     }
 }

@@ -4,56 +4,23 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::SystemTime;
 
 use geo::MultiPolygon;
 use rayon::prelude::*;
 
 use super::UpdateOptions;
+use super::context::UpdateContext;
 use super::parents::{changed_parents, read_ancestors};
 use super::tile_change::TileChange;
 use crate::buildings::{Building, BuildingMap, MapTile, triangle_bytes};
-use crate::city::ground_cache::GroundCache;
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::rules_file::FACADES;
 use crate::city::{City, CityError, Layer};
-use crate::material::FacadeRules;
 use crate::source::{
     CrsChoice, Footprint, FootprintDatasetEditor, FootprintDatasetWriter, FootprintReport, FootprintSource,
     HeightRule, Selection,
 };
 use crate::space::{Crs, TileId};
-
-/// The city to change, its CRS and its ground.
-pub struct UpdateContext<'a> {
-    /// The city.
-    pub city: &'a City,
-    /// Its CRS.
-    pub crs: &'a Crs,
-    /// Its ground.
-    pub ground: &'a GroundCache,
-    /// What its buildings are made of.
-    pub rules: &'a FacadeRules,
-    /// Time and length of its footprint dataset when the update began.
-    pub dataset_stamp: Option<(SystemTime, u64)>,
-}
-
-/// Time and length of a file; none without it.
-pub fn stamp_of(path: &Path) -> Option<(SystemTime, u64)> {
-    let data = fs::metadata(path).ok()?;
-    Some((data.modified().ok()?, data.len()))
-}
-
-impl UpdateContext<'_> {
-    /// Fails when somebody else changed the dataset since the update began.
-    pub fn require_dataset_unchanged(&self) -> Result<(), CityError> {
-        let path = self.city.footprint_dataset_path();
-        match stamp_of(&path) == self.dataset_stamp {
-            true => Ok(()),
-            false => Err(CityError::EditedDataset { path }),
-        }
-    }
-}
 
 /// All that an update changes.
 pub struct Changes {

@@ -7,6 +7,7 @@
 //! ```
 
 mod changes;
+mod context;
 mod lock;
 mod parents;
 mod tile_change;
@@ -17,7 +18,8 @@ pub(super) use transaction::Pending;
 
 use std::path::PathBuf;
 
-use changes::{Changes, UpdateContext, by_comparing, by_difference, from_file, stamp_of};
+use changes::{Changes, by_comparing, by_difference, from_file};
+use context::{UpdateContext, stamp_of};
 use transaction::{Transaction, finish_interrupted, set_not_older};
 
 use super::manifest::MAX_GENERATION;

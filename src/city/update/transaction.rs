@@ -12,7 +12,8 @@ use std::time::SystemTime;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::changes::{Changes, UpdateContext};
+use super::changes::Changes;
+use super::context::UpdateContext;
 use super::tile_change::TileChange;
 use crate::city::city_files::{COMMITTED, MAX_TEXT, PARTIAL, is_tile_name, read_plain_text};
 use crate::city::codec::write_buildings;

@@ -168,7 +168,7 @@ fn fault_of_writing(database: &Connection) -> rusqlite::Result<Option<String>> {
         .collect::<rusqlite::Result<_>>()?;
     // Counting the nodes would read them all; a file has room for so many.
     let bytes = "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size";
-    let most_nodes = database.query_row(bytes, (), |row| row.get::<_, f64>(0))? / NODE_BYTES;
+    let max_nodes = database.query_row(bytes, (), |row| row.get::<_, f64>(0))? / NODE_BYTES;
     for name in indices {
         let name = name.replace('"', "\"\"");
         // A node begins with the depth of the tree, where it is the root.
@@ -178,7 +178,7 @@ fn fault_of_writing(database: &Connection) -> rusqlite::Result<Option<String>> {
             .flatten()
             .and_then(|depth| u32::from_str_radix(&depth, 16).ok())
             .unwrap_or(0);
-        if f64::from(depth) > 2.0 + most_nodes.max(1.0).log(MIN_CELLS) {
+        if f64::from(depth) > 2.0 + max_nodes.max(1.0).log(MIN_CELLS) {
             return Ok(Some(
                 "its spatial index is none: it is deeper than its nodes allow".to_owned(),
             ));

@@ -1,10 +1,11 @@
 //! The keys and what the mouse does.
 
 /// One a line: what to press, and what it does.
-const KEYS: [(&str, &str); 19] = [
+const KEYS: [(&str, &str); 20] = [
     ("left drag", "move the ground under the cursor"),
     ("right drag, Ctrl + drag", "turn round the point under the cursor"),
     ("wheel, two fingers", "go to the point under the cursor"),
+    ("two fingers, turned", "turn the city (touchpad)"),
     ("click", "select a building"),
     ("double click", "fly there"),
     ("W A S D", "fly ahead, left, back, right"),
