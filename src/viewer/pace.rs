@@ -22,8 +22,9 @@ pub struct Pace {
     /// The band of the resting image's next sample, and what the bands before it took.
     band: Band,
     spent: Duration,
-    /// What a sample in full takes, about.
+    /// What a sample in full takes, about, and what the last one took.
     full: Duration,
+    measured: Duration,
     /// The same by the pixels of the last frame in motion, and by how many times too much that was: such frames are so small that
     /// most of their time goes elsewhere than into pixels.
     in_motion: Duration,
@@ -64,6 +65,8 @@ const SLOW: Duration = Duration::from_millis(850);
 const BRIDGE: f64 = 0.75;
 /// Frames in motion are taken for no more times too long than this.
 const MAX_EXCESS: f64 = 8.0;
+/// A view whose samples seem to take so many times as long as the last measured one is like it.
+const ALIKE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 /// A band takes about so long, so that the window answers in between; and how many there are at most.
 const BAND: Duration = Duration::from_millis(80);
 const MAX_BANDS: u32 = 16;
@@ -83,6 +86,7 @@ impl Pace {
             band: Band::WHOLE,
             spent: Duration::ZERO,
             full: Duration::ZERO,
+            measured: Duration::ZERO,
             in_motion: Duration::ZERO,
             excess: 1.0,
             is_bridge_due: false,
@@ -157,9 +161,16 @@ impl Pace {
         let by_pixels = took.div_f64(step.scale * step.scale);
         if self.is_moving {
             self.in_motion = by_pixels;
-            self.full = by_pixels.div_f64(self.excess);
+            let expected = by_pixels.div_f64(self.excess);
+            // The estimate is rough: what was measured counts as long as the view is like the one it was measured in.
+            let ratio = expected.as_secs_f64() / self.measured.as_secs_f64().max(1e-4);
+            self.full = if ALIKE.contains(&ratio) {
+                self.measured
+            } else {
+                expected
+            };
         } else {
-            self.full = by_pixels;
+            (self.full, self.measured) = (by_pixels, by_pixels);
             self.excess =
                 (self.in_motion.as_secs_f64() / by_pixels.as_secs_f64().max(1e-4)).clamp(1.0, MAX_EXCESS);
         }
