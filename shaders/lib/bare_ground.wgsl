@@ -53,8 +53,9 @@ fn contours(height: f32, normal: vec3<f32>, size: f32) -> f32 {
     );
 }
 
-// How dark joints of paving are.
-const JOINT: f32 = 0.45;
+// How dark joints of paving are; coverages between which paving comes to be of slabs.
+const JOINT: f32 = 0.40;
+const SLABS: vec2<f32> = vec2<f32>(0.38, 0.50);
 
 // What the ground looks like at a place.
 struct BareGround {
@@ -97,11 +98,11 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let blotch = (broad_tile.b - mean.b) * (1.0 - smoothstep(BLOTCHES_TO_M.x, BLOTCHES_TO_M.y, size));
     let lightness = fine.a * broad.a / (mean.a * mean.a);
     let tufts = clamp(0.6 * fine.g + 0.4 * broad.g + blotch, 0.0, 1.0);
-    let joints = mix(1.0, 1.0 - JOINT * tile.detail.z, near);
-    let paved = PAVED * fine.r * broad.r / (mean.r * mean.r) * joints;
     let place = plan / (vec2<f32>(frame.grid) * frame.tile_m);
     let covered = textureSampleLevel(site_coverage, imagery_sampler, place, 0, 0.0).r + RAGGED * blotch;
     let settled = smoothstep(YARDS.x, YARDS.y, covered);
+    let joints = 1.0 - JOINT * tile.detail.z * near * smoothstep(SLABS.x, SLABS.y, covered);
+    let paved = PAVED * fine.r * broad.r / (mean.r * mean.r) * joints;
     let dense = select(smoothstep(PAVING.x, PAVING.y, covered), 0.0, has_plan);
     let albedo = mix(mix(mix(SOIL, TUFT, tufts), YARD, settled) * lightness, paved, dense);
     let lines = mix(1.0, ON_YARDS, settled) * (1.0 - dense) * smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, at.facing);

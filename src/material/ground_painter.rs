@@ -6,8 +6,8 @@ use super::noise::{hash, value_noise};
 use super::roof_painter::ROOF_M;
 
 /// Slabs of paving along a tile's sides, and the width of a joint between two, texels.
-const SLABS: [f32; 2] = [4.0, 2.0];
-const JOINT_TEXELS: f32 = 1.5;
+const SLABS: [f32; 2] = [8.0, 4.0];
+const JOINT_TEXELS: f32 = 1.0;
 
 /// Red: how light paving is; green: tufts; blue: blotches; glass: how light soil is; tint: joints of paving.
 pub fn paint_ground() -> Canvas {
