@@ -93,7 +93,7 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     // Of the whole tile: its last level is one texel.
     let mean = textureLoad(facade_colour, vec2<i32>(0), GROUND_LAYER, textureNumLevels(facade_colour) - 1u);
     let near = 1.0 - smoothstep(FINE_TO_M.x, FINE_TO_M.y, size);
-    let fine = mix(tile.colour, mean, smoothstep(FINE_TO_M.x, FINE_TO_M.y, size));
+    let fine = mix(mean, tile.colour, near);
     let broad = mix(broad_tile, mean, smoothstep(BROAD_TO_M.x, BROAD_TO_M.y, size));
     let blotch = (broad_tile.b - mean.b) * (1.0 - smoothstep(BLOTCHES_TO_M.x, BLOTCHES_TO_M.y, size));
     let lightness = fine.a * broad.a / (mean.a * mean.a);

@@ -130,7 +130,8 @@ impl Pyramid {
         self.low
     }
 
-    /// The part of each of `across` x `across` squares of the tile of whose blocks buildings stand on, 0 to 255, row by row from the south.
+    /// The part of each of `across` x `across` squares of the tile that buildings cover, by blocks that hold any, 0 to 255, row by row from
+    /// the south; where squares are finer than nodes, that of the node.
     pub fn coverage(&self, across: usize) -> Vec<u8> {
         let nodes = Self::nodes_across(self.side, 1);
         // Squares a node, or nodes a square, along a side.
@@ -276,6 +277,7 @@ mod tests {
     fn the_part_of_a_square_that_is_built_on_is_that_of_its_blocks() {
         for side in [256, 512] {
             let (map, cells) = scattered(side, 101);
+            assert!(map.is_some(), "side {side}");
             let Some(map) = map else { continue };
             let pyramid = Pyramid::from_map(&map, map.height_range[0]);
             let blocks = side / BLOCK;

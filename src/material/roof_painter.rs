@@ -35,7 +35,7 @@ pub fn paint_roof(style: RoofStyle) -> Canvas {
             RoofStyle::Gravel => {
                 let speck = hash((x * 16.0) as u32, (y * 16.0) as u32, 43);
                 // Walkways of slabs, where one goes to look after the roof.
-                let slab = y % 8.0 < 0.5 && (x % 0.5) > 0.03;
+                let slab = y < 0.5 && (x % 0.5) > 0.03;
                 let shade = 0.88 + 0.14 * (broad - 0.5) + 0.30 * (speck - 0.5) + 0.14 * (fine - 0.5);
                 let colour = if slab {
                     [0.40, 0.395, 0.38]

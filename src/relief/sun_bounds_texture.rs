@@ -15,7 +15,7 @@ use crate::space::Sun;
 pub struct SunBoundsTexture {
     /// A layer a level.
     pub images: LayerPool,
-    /// And what they are of.
+    /// The bounds in them, and what they are of.
     bounds: Option<(Key, Option<SunBounds>)>,
     /// What was asked for last.
     key: Option<Key>,
