@@ -6,7 +6,7 @@ use std::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rilievo::camera::flare::{FlareFrame, SpriteFrame};
 use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, Motion, RayRecord, TemporalPass};
-use rilievo::output::DebugFrame;
+use rilievo::output::{DebugFrame, FlareWindowFrame};
 use rilievo::relief::extrusion::ExtrusionFrame;
 use rilievo::relief::{Anchor, FrameUniforms, SearchParameters};
 use rilievo::scene::{GroundRecord, RoofRecord, TileRecord, VertexRecord};
@@ -18,6 +18,7 @@ fn all() -> Vec<rilievo::gpu::ShaderSource> {
         .chain([
             rilievo::relief::extrusion::SHADER,
             rilievo::output::DEBUG_VIEW,
+            rilievo::output::FLARE_WINDOW,
             rilievo::viewer::SCREEN,
         ])
         .collect()
@@ -169,6 +170,11 @@ fn records_are_laid_out_alike_on_both_sides() {
         "DebugFrame",
         DebugFrame,
         ["kind" = kind, "component" = component, "scale" = scale]
+    );
+    same_layout!(
+        "FlareWindow",
+        FlareWindowFrame,
+        ["first" = first, "texels" = texels]
     );
     same_layout!("Anchor", Anchor, ["at" = at]);
     same_layout!(
@@ -377,7 +383,7 @@ fn declared_kind(module: &naga::Module, variable: &naga::GlobalVariable) -> Stri
 fn bindings_are_what_the_layouts_say() {
     use rilievo::camera::flare::{FLARE_INPUT, GHOST_INPUT, IMAGE_INPUT};
     use rilievo::camera::{AccumulatePass, RayPass, ToneMapPass};
-    use rilievo::output::DebugView;
+    use rilievo::output::{DebugView, FlareWindow};
     use rilievo::relief::{
         AmbientPass, CityBindings, ExactPass, LightPass, PolygonsPass, ReliefPass, SearchPass,
     };
@@ -398,6 +404,7 @@ fn bindings_are_what_the_layouts_say() {
             "camera/soften.wgsl" | "camera/resample.wgsl" => vec![&IMAGE_INPUT],
             "camera/ray_bundles.wgsl" => vec![&RayPass::TYPES],
             "output/debug_view.wgsl" => vec![&DebugView::INPUT],
+            "output/flare_window.wgsl" => vec![&FlareWindow::INPUT],
             "viewer/blit.wgsl" => vec![&rilievo::viewer::Blit::INPUT],
             other => panic!("no layouts for {other}: name them here"),
         }

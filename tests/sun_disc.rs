@@ -76,8 +76,7 @@ fn a_disc_behind_a_roof_is_cut() {
                 flare: with_flare.then_some(&flare),
                 ..support::request(&camera, &sun, SIZE)
             };
-            renderer.still(&request, SAMPLES).unwrap();
-            let radiance = renderer.radiance(SAMPLES).unwrap();
+            let radiance = support::radiance(&mut renderer, &request, SAMPLES);
             let projection = camera.projection(SIZE);
             // By distance from the sun's centre, in its radii.
             let places: Vec<f64> = (0..SIZE[0] * SIZE[1])
@@ -199,8 +198,7 @@ fn a_slivers_light_is_round_the_sliver() {
             flare,
             ..support::request(&camera, &sliver, SIZE)
         };
-        renderer.still(&request, SAMPLES).unwrap();
-        renderer.radiance(SAMPLES).unwrap()
+        support::radiance(&mut renderer, &request, SAMPLES)
     };
     let (with, without) = (picture(Some(&flare)), picture(None));
     let projection = camera.projection(SIZE);

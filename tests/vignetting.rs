@@ -63,8 +63,8 @@ fn a_picture_through_a_lens_is_darker_at_its_corners() {
     let sun = Sun::from_azimuth_altitude(200.0, 50.0);
     let mut radiance = |camera: &Camera| {
         let request: FrameRequest<'_> = support::request(camera, &sun, size);
-        let rgba = renderer.still(&request, 1).unwrap().rgba;
-        (renderer.radiance(1).unwrap(), rgba)
+        let still = renderer.still_of(&[request], true).unwrap();
+        (still.radiance, still.rgba)
     };
     let ((plain, plain_codes), (seen, seen_codes)) = (radiance(&pinhole), radiance(&through));
     let mut off = 0;

@@ -5,7 +5,7 @@ struct Exposure {
     scale: f32,
     // Factor of the flare, which is no sum, and of which the lens has taken what it takes.
     flare_scale: f32,
-    // The image's centre, pixels.
+    // The image's centre, pixels from the first one drawn.
     centre: vec2<f32>,
     // Factors of the channels on top of either.
     white_balance: vec3<f32>,

@@ -3,7 +3,7 @@
 
 struct Frame {
     clip_from_eye_relative: mat4x4<f32>,
-    // The ray through normalised device coordinates (x, y) is forward + x * across + y * upward.
+    // The ray through normalised device coordinates (x, y) of the part of the image that is drawn is forward + x * across + y * upward.
     forward: vec4<f32>,
     across: vec4<f32>,
     upward: vec4<f32>,
@@ -30,7 +30,7 @@ struct Frame {
     eye_tile: vec2<i32>,
     // Columns and rows of the grid.
     grid: vec2<i32>,
-    // Image size, pixels; sub-pixel offset of the sample, pixels.
+    // Size of the part of the image that is drawn, pixels; sub-pixel offset of the sample, pixels.
     size: vec2<f32>,
     jitter: vec2<f32>,
     texel_m: f32,

@@ -1,6 +1,7 @@
 //! Exposes and tone-maps the mean of an image's samples and what the lens adds (`shaders/camera/tone_map.wgsl` tells how).
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec2;
 
 use super::shaders::TONE_MAP;
 use super::vignetting::{FALLOFF_PLACES, Vignetting};
@@ -30,16 +31,17 @@ pub struct ToneMapping<'a> {
     pub white_balance: [f32; 3],
     /// Samples in the sum.
     pub samples: u32,
-    /// The lens's vignetting, and half of the sensor's part that the image shows, millimetres; none without a lens.
-    pub vignetting: Option<(&'a Vignetting, [f64; 2])>,
+    /// The lens's vignetting, and millimetres of a pixel on the sensor; none without a lens.
+    pub vignetting: Option<(&'a Vignetting, f64)>,
+    /// Where the image's centre is, pixels from the first one drawn.
+    pub centre: DVec2,
 }
 
 impl Exposure {
-    /// For an image of `size` pixels.
-    pub fn new(mapping: &ToneMapping<'_>, size: [u32; 2]) -> Self {
+    /// As an image is developed.
+    pub fn new(mapping: &ToneMapping<'_>) -> Self {
         let (falloff, places_per_pixel) = match mapping.vignetting {
-            Some((vignetting, half_mm)) => {
-                let mm_per_pixel = 2.0 * half_mm[1] / f64::from(size[1]);
+            Some((vignetting, mm_per_pixel)) => {
                 let places = (FALLOFF_PLACES - 1) as f64;
                 (vignetting.falloff, places * mm_per_pixel / vignetting.corner_mm)
             }
@@ -48,7 +50,7 @@ impl Exposure {
         Self {
             scale: mapping.exposure / mapping.samples.max(1) as f32,
             flare_scale: mapping.exposure,
-            centre: size.map(|side| 0.5 * side as f32),
+            centre: mapping.centre.as_vec2().to_array(),
             white_balance: mapping.white_balance,
             places_per_pixel: places_per_pixel as f32,
             falloff: std::array::from_fn(|k| glam::Vec4::from_slice(&falloff[4 * k..])),
@@ -120,6 +122,11 @@ impl ToneMapPass {
         });
     }
 
+    /// Forgets all images: the flares that they show are other ones.
+    pub fn forget(&mut self) {
+        self.image.clear();
+    }
+
     /// The image, RGBA sRGB; none before the first size.
     pub fn image(&self) -> Option<&Target> {
         self.image.current().map(|image| &image.target)
@@ -139,9 +146,7 @@ impl ToneMapPass {
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let Some(image) = self.image.current() else { return };
-        let texels = image.target.texture.size();
-        self.exposure
-            .write(gpu, &Exposure::new(mapping, [texels.width, texels.height]));
+        self.exposure.write(gpu, &Exposure::new(mapping));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone map"),
             color_attachments: &[image.target.cleared(wgpu::Color::TRANSPARENT)],

@@ -41,7 +41,7 @@ pub struct FilmArgs {
     #[arg(long, value_enum, default_value = "png")]
     frames: FrameKind,
     /// Image size, pixels.
-    #[arg(long, default_value = "1280x720", value_parser = super::values::size)]
+    #[arg(long, default_value = "1280x720", value_parser = super::values::picture_size)]
     size: [u32; 2],
     /// Samples a pixel: anti-aliasing, soft shadows, motion blur.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -117,6 +117,7 @@ pub fn run(args: &FilmArgs) -> Result<(), CommandError> {
         size: args.size,
         samples: args.samples,
         shutter: args.shutter,
+        with_radiance: args.frames == FrameKind::Exr,
         relief: args.relief.settings(),
         optics: &camera.optics,
         flare: flare.as_ref(),
@@ -190,10 +191,7 @@ fn draw_frames(
         let still = film.draw(&mut renderer, frame, &sun)?;
         match args.frames {
             FrameKind::Png => frames.put(frame, film.size, FramePixels::Display(&still.rgba))?,
-            FrameKind::Exr => {
-                let radiance = renderer.radiance(film.samples.max(1))?;
-                frames.put(frame, film.size, FramePixels::Radiance(&radiance))?;
-            }
+            FrameKind::Exr => frames.put(frame, film.size, FramePixels::Radiance(&still.radiance))?,
         }
         bar.inc(1);
         tell_warnings(&mut renderer);

@@ -12,8 +12,8 @@ use super::values::{is_same_file, require_other, require_place};
 use crate::city::City;
 use crate::gpu::Gpu;
 use crate::output::{
-    FlightView, FrameRequest, ImageKind, Intermediate, RenderError, Renderer, image_kind, write_depth,
-    write_ids, write_png, write_radiance,
+    FlightView, FrameRequest, ImageKind, Intermediate, MAX_WINDOW_PX, RenderError, Renderer, image_kind,
+    write_depth, write_ids, write_png, write_radiance,
 };
 use crate::relief::ReliefMode;
 use crate::scene::{PoolOptions, TerrainMesh};
@@ -40,7 +40,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pool: PoolFlags,
     /// Image size, pixels.
-    #[arg(long, default_value = "1280x720", value_parser = super::values::size)]
+    #[arg(long, default_value = "1280x720", value_parser = super::values::picture_size)]
     size: [u32; 2],
     /// Date and time for the sun, like 2026-06-21T19:40:00+02:00 [default: a sun in the south-west, 42 degrees high].
     #[arg(long)]
@@ -107,6 +107,11 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
             "--intermediate draws false colours; name a file that ends in .png".to_owned(),
         ));
     }
+    if args.intermediate.is_some() && args.size.iter().any(|&side| side > MAX_WINDOW_PX) {
+        return Err(CommandError::Argument(format!(
+            "--intermediate draws what is drawn at once; give a size of at most {MAX_WINDOW_PX} pixels a side"
+        )));
+    }
     let city = City::open(&args.city)?;
     let place = city.manifest().place;
     let view = view(args, &city)?;
@@ -142,7 +147,8 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         flare: flare.as_ref(),
         exposure: view.exposure_or(args.exposure),
     };
-    let still = renderer.still(&request, args.samples)?;
+    let with_radiance = kind != ImageKind::Display;
+    let still = renderer.still_of(&vec![request; args.samples as usize], with_radiance)?;
     tell_warnings(&mut renderer);
     let eye = camera.pose.eye;
     // A damaged tile has been told.
@@ -157,7 +163,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         (Some(which), _) => write_png(&args.out, args.size, &renderer.debug_image(which)?)?,
         (None, ImageKind::Display) => write_png(&args.out, args.size, &still.rgba)?,
         (None, ImageKind::RadianceTiff | ImageKind::RadianceExr) => {
-            write_radiance(&args.out, args.size, &renderer.radiance(args.samples)?)?
+            write_radiance(&args.out, args.size, &still.radiance)?
         }
     }
     if let Some(path) = &args.depth {

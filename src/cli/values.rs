@@ -41,14 +41,33 @@ pub fn exposure(text: &str) -> Result<f32, String> {
     }
 }
 
-/// `WxH`, pixels.
+/// Longest side of what is drawn at once, and of what is drawn in windows, pixels.
+const MAX_SIDE: u32 = 8192;
+const MAX_PICTURE_SIDE: u32 = 65_535;
+/// Most pixels of a picture: 16 bytes of each, 28 with radiance, are held in memory.
+const MAX_PICTURE_PIXELS: u64 = 1 << 29;
+
+/// `WxH`, pixels, of what is drawn at once.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
+    sides(text, MAX_SIDE)
+}
+
+/// `WxH`, pixels, of what may be drawn in windows.
+pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
+    let [width, height] = sides(text, MAX_PICTURE_SIDE)?;
+    if u64::from(width) * u64::from(height) > MAX_PICTURE_PIXELS {
+        return Err(format!("give a size of at most {MAX_PICTURE_PIXELS} pixels"));
+    }
+    Ok([width, height])
+}
+
+fn sides(text: &str, most: u32) -> Result<[u32; 2], String> {
     let sides: Option<Vec<u32>> = text.split('x').map(|side| side.parse().ok()).collect();
     match sides.as_deref() {
-        Some(&[width, height]) if (1..=8192).contains(&width) && (1..=8192).contains(&height) => {
+        Some(&[width, height]) if (1..=most).contains(&width) && (1..=most).contains(&height) => {
             Ok([width, height])
         }
-        _ => Err("give a size like 1280x720, each side 1 to 8192".to_owned()),
+        _ => Err(format!("give a size like 1280x720, each side 1 to {most}")),
     }
 }
 

@@ -1,12 +1,15 @@
-//! What the camera's lens adds to an image: a target of its own, drawn anew only when something of the flare changed.
+//! What the camera's lens adds to an image: a target of its own, drawn anew only when something of the flare changed. It shows the
+//! image as a whole, also where that is drawn in windows: with as many pixels as a device surely has, of which a window shows its part.
 
 use std::sync::Arc;
 
+use super::flare_window::FlareWindow;
 use super::{FrameRequest, RenderError, Renderer};
 use crate::camera::flare::{
     Aperture, FlareEffect, FlareRequest, GhostParameters, GhostTable, Preset, StarburstParameters,
 };
 use crate::gpu::{BySize, Gpu, PassTimer, Target};
+use crate::space::ImageWindow;
 
 /// How the flare of a lens is made.
 #[derive(Clone, Debug)]
@@ -36,11 +39,27 @@ impl FlareSettings {
 /// The flare of the camera's lens.
 pub(super) struct FlarePass {
     effect: FlareEffect,
-    target: BySize<Target>,
+    /// Of the whole image.
+    whole: BySize<Target>,
+    /// Of the window, where the image is drawn in several.
+    window: Option<FlareWindow>,
     /// Whether the target shows something else than the effect.
     is_stale: bool,
     /// Whether the effect shows a flare.
     is_lit: bool,
+}
+
+/// Longest side of a flare, pixels; that of a larger image is enlarged. WebGPU's default limit.
+const MAX_FLARE_PX: u32 = 8192;
+
+/// Pixels of the flare of an image.
+fn flare_size(image: [u32; 2]) -> [u32; 2] {
+    let longest = image[0].max(image[1]).max(1);
+    if longest <= MAX_FLARE_PX {
+        return image;
+    }
+    let part = f64::from(MAX_FLARE_PX) / f64::from(longest);
+    image.map(|side| ((f64::from(side) * part).round() as u32).max(1))
 }
 
 /// Format of the flare's radiance.
@@ -50,16 +69,38 @@ impl FlarePass {
     pub(super) fn new(gpu: &Gpu) -> Self {
         Self {
             effect: FlareEffect::new(gpu, FORMAT),
-            target: BySize::default(),
+            whole: BySize::default(),
+            window: None,
             is_stale: true,
             is_lit: false,
         }
     }
 
-    pub(super) fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) {
-        self.target
+    /// For an image of `image` pixels.
+    pub(super) fn resize(&mut self, gpu: &Gpu, image: [u32; 2]) {
+        let size = flare_size(image);
+        self.whole
             .select(size, || Target::new(gpu, "flare", size, FORMAT));
+        self.window = None;
         self.is_stale = true;
+    }
+
+    /// Which part of an image of `image` pixels is drawn next.
+    pub(super) fn show(&mut self, gpu: &Gpu, image: [u32; 2], window: &ImageWindow) {
+        let Some(whole) = self.whole.current() else {
+            return;
+        };
+        if *window == ImageWindow::whole(whole.size()) {
+            self.window = None;
+            return;
+        }
+        let known = self
+            .window
+            .take()
+            .filter(|known| known.target().size() == window.size);
+        let shown = known.unwrap_or_else(|| FlareWindow::new(gpu, whole, window.size));
+        shown.show(gpu, window, [image, whole.size()]);
+        self.window = Some(shown);
     }
 
     /// Part of the sun's light that its sharp image keeps, mean of the channels.
@@ -71,14 +112,15 @@ impl FlarePass {
         }
     }
 
-    /// Radiance that the lens adds.
+    /// Radiance that the lens adds to what is drawn of the image.
     pub(super) fn target(&self) -> Option<&Target> {
-        self.target.current()
+        let window = self.window.as_ref().map(FlareWindow::target);
+        window.or_else(|| self.whole.current())
     }
 
     /// Draws the flare where it changed; else a pass that draws nothing, so that it has its times.
     pub(super) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, timed: (&PassTimer, u32)) {
-        let Some(target) = self.target.current() else {
+        let Some(target) = self.whole.current() else {
             return;
         };
         let is_drawn = self.is_stale && self.is_lit;
@@ -96,6 +138,9 @@ impl FlarePass {
         }));
         if is_drawn {
             self.effect.encode(encoder, target, Some(timed));
+        }
+        if let Some(window) = &self.window {
+            window.encode(encoder);
         }
         self.is_stale = false;
     }
@@ -120,7 +165,10 @@ impl Renderer {
             light,
             image_half_mm: optics.image_half_mm(request.size),
         };
-        self.flare.is_stale |= self.flare.effect.prepare(&self.gpu, &flare, request.size)?;
+        let size = flare_size(request.size);
+        self.flare.is_stale |= self.flare.effect.prepare(&self.gpu, &flare, size)?;
+        // Also where it was only switched off for a while.
+        self.flare.is_stale |= self.flare.is_lit != light.is_lit();
         self.flare.is_lit = light.is_lit();
         Ok(())
     }

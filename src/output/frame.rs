@@ -12,12 +12,11 @@ use glam::DVec2;
 
 use super::{FlareSettings, RenderError, Renderer};
 use crate::camera::{
-    Camera, LensOptics, ToneMapping, Vignetting, daylight, daylight_exposure, towards_sun_exposure,
-    white_balance,
+    Camera, ToneMapping, Vignetting, daylight, daylight_exposure, towards_sun_exposure, white_balance,
 };
 use crate::gpu::Band;
 use crate::relief::{ReliefSettings, ReliefView, TIMED_PASSES, sun_seen_from};
-use crate::space::{Projection, Sun};
+use crate::space::{ImageWindow, Projection, Sun};
 
 const RELIEF: usize = TIMED_PASSES.len();
 /// Timed passes of a frame: the relief's, then the camera's.
@@ -74,7 +73,17 @@ impl Renderer {
         sample: u32,
         band: Band,
     ) -> Result<(), RenderError> {
-        self.resize(request.size);
+        self.show(request.size, ImageWindow::whole(request.size));
+        self.draw_band(request, sample, band)
+    }
+
+    /// Draws a band of the window that is shown.
+    pub(super) fn draw_band(
+        &mut self,
+        request: &FrameRequest<'_>,
+        sample: u32,
+        band: Band,
+    ) -> Result<(), RenderError> {
         if band.is_first() {
             self.prepare(request)?;
             self.prepare_flare(request)?;
@@ -94,7 +103,7 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub fn moving_frame(&mut self, request: &FrameRequest<'_>) -> Result<(), RenderError> {
-        self.resize(request.size);
+        self.show(request.size, ImageWindow::whole(request.size));
         self.prepare(request)?;
         self.prepare_flare(request)?;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -117,9 +126,8 @@ impl Renderer {
         self.temporal.forget();
     }
 
-    /// Adds a sample without making an image of it.
+    /// Adds a sample of the window that is shown without making an image of it.
     pub(super) fn add_sample(&mut self, request: &FrameRequest<'_>, sample: u32) -> Result<(), RenderError> {
-        self.resize(request.size);
         self.prepare(request)?;
         if sample == 0 {
             self.prepare_flare(request)?;
@@ -152,8 +160,11 @@ impl Renderer {
         sample: u32,
         band: Band,
     ) -> Projection {
-        let mut projection = request.camera.projection(request.size);
-        projection.jitter = jitter(sample);
+        let projection = Projection {
+            jitter: jitter(sample),
+            window: self.window,
+            ..request.camera.projection(request.size)
+        };
         let view = ReliefView {
             projection: &projection,
             sun: request.sun,
@@ -177,25 +188,35 @@ impl Renderer {
             None => 1.0,
         };
         let exposure = request.exposure * metered * daylight_exposure(daylight);
-        let half_mm = |lens: &LensOptics| lens.image_half_mm(request.size);
         let mapping = ToneMapping {
             exposure,
             white_balance: white_balance(daylight),
             samples,
-            vignetting: self.vignetting.as_ref().zip(request.camera.lens().map(half_mm)),
+            vignetting: self
+                .vignetting
+                .as_ref()
+                .map(|(vignetting, mm_per_pixel)| (vignetting, *mm_per_pixel)),
+            centre: self.image_centre(),
         };
         self.tone_map.encode(&self.gpu, encoder, &mapping, timestamps);
     }
 
     /// Brings the vignetting up to date with the camera's lens.
     fn prepare_vignetting(&mut self, request: &FrameRequest<'_>) {
-        let optics = request.camera.lens();
-        self.vignetting = match (self.vignetting.take(), optics) {
-            (_, None) => None,
-            (Some(known), Some(optics)) if known.is_of(optics) => Some(known),
-            (_, Some(optics)) => Some(Vignetting::new(optics)),
-        };
-        self.image_half_mm = optics.map_or([1.0; 2], |optics| optics.image_half_mm(request.size));
+        let known = self.vignetting.take();
+        self.vignetting = request.camera.lens().map(|optics| {
+            let known = known
+                .map(|(vignetting, _)| vignetting)
+                .filter(|known| known.is_of(optics));
+            let mm_per_pixel = 2.0 * optics.image_half_mm(request.size)[1] / f64::from(request.size[1]);
+            (known.unwrap_or_else(|| Vignetting::new(optics)), mm_per_pixel)
+        });
+    }
+
+    /// The image's centre, pixels from the first one that is drawn.
+    pub(super) fn image_centre(&self) -> DVec2 {
+        let first = DVec2::from_array(self.window.first.map(f64::from));
+        0.5 * DVec2::from_array(self.image_size().map(f64::from)) - first
     }
 
     /// The sun as the camera sees it, past roofs and hills.

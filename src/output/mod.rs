@@ -5,10 +5,12 @@ mod error;
 mod film;
 mod image_files;
 mod flare_pass;
+mod flare_window;
 mod frame;
 mod debug_view;
 mod renderer;
 mod still;
+mod windows;
 
 pub use contact_sheet::{ContactSheet, contact_sheet};
 pub use debug_view::{DEBUG_VIEW, DebugFrame, DebugView, Intermediate};
@@ -18,6 +20,7 @@ pub use film::{
     encode_video, require_encoder,
 };
 pub use flare_pass::FlareSettings;
+pub use flare_window::{FLARE_WINDOW, FlareWindow, FlareWindowFrame};
 pub use frame::FrameRequest;
 pub use image_files::{
     ImageKind, OutputError, image_kind, write_depth, write_drawing, write_exr, write_ids, write_png,
@@ -25,3 +28,4 @@ pub use image_files::{
 };
 pub use renderer::Renderer;
 pub use still::Still;
+pub use windows::MAX_WINDOW_PX;

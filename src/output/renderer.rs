@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::debug_view::DebugView;
 use super::flare_pass::FlarePass;
 use super::frame::PASSES;
+use super::windows::MAX_WINDOW_PX;
 use super::{FrameRequest, RenderError};
 use crate::buildings::Building;
 use crate::camera::{AccumulatePass, TemporalPass, ToneMapPass, Vignetting};
@@ -13,6 +14,7 @@ use crate::city::City;
 use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
 use crate::relief::{ReliefPass, ReliefTargets, building_mesh};
 use crate::scene::{PoolOptions, Resident};
+use crate::space::ImageWindow;
 
 /// Everything that lives as long as a city is drawn.
 pub struct Renderer {
@@ -27,12 +29,15 @@ pub struct Renderer {
     pub(super) moving_frames: u32,
     pub(super) flare: FlarePass,
     pub(super) tone_map: ToneMapPass,
-    /// Of the last frame's lens, and half of the sensor's part that the frame showed, millimetres.
-    pub(super) vignetting: Option<Vignetting>,
-    pub(super) image_half_mm: [f64; 2],
+    /// Of the last frame's lens, and millimetres of the frame's pixels on the sensor.
+    pub(super) vignetting: Option<(Vignetting, f64)>,
     pub(super) debug_view: DebugView,
     pub(super) timer: PassTimer,
+    /// Pixels of the image, and the part of it that is drawn.
     size: [u32; 2],
+    pub(super) window: ImageWindow,
+    /// Longest side that a still draws at once, pixels.
+    pub max_window_px: u32,
     /// Pixels of the image that tiles are chosen for; those of a frame unless said otherwise.
     pub detail_size: Option<[u32; 2]>,
     /// What of the resident tiles the relief is bound to.
@@ -54,10 +59,11 @@ impl Renderer {
             flare: FlarePass::new(&gpu),
             tone_map: ToneMapPass::new(&gpu),
             vignetting: None,
-            image_half_mm: [1.0; 2],
             debug_view: DebugView::new(&gpu),
             timer: PassTimer::new(&gpu, &PASSES),
             size: [0; 2],
+            window: ImageWindow::whole([0; 2]),
+            max_window_px: MAX_WINDOW_PX.min(gpu.device.limits().max_texture_dimension_2d),
             detail_size: None,
             bindings: resident.bindings_version(),
             gpu,
@@ -122,25 +128,40 @@ impl Renderer {
         Ok(buildings)
     }
 
-    /// Puts all targets of a size in use.
-    pub(super) fn resize(&mut self, size: [u32; 2]) {
-        if self.size == size {
+    /// Puts all targets for a window of an image of `image` pixels in use.
+    pub(super) fn show(&mut self, image: [u32; 2], window: ImageWindow) {
+        if self.size == image && self.window == window {
             return;
         }
-        self.size = size;
+        let is_whole = |image: [u32; 2], window: ImageWindow| window == ImageWindow::whole(image);
+        let was_whole = is_whole(self.size, self.window);
+        if self.size != image {
+            self.flare.resize(&self.gpu, image);
+        }
+        self.flare.show(&self.gpu, image, &window);
+        let size = window.size;
         let targets = self.relief.resize(&self.gpu, &self.resident, size);
         self.accumulate.resize(&self.gpu, size, &targets.radiance);
         self.temporal
             .resize(&self.gpu, size, &targets.radiance, &targets.distance);
-        self.flare.resize(&self.gpu, size);
+        if !(was_whole && is_whole(image, window)) && (self.size, self.window.size) != (image, size) {
+            self.tone_map.forget();
+        }
         if let (Some(sums), Some(flare)) = (self.accumulate.targets(), self.flare.target()) {
             self.tone_map.resize(&self.gpu, size, sums, flare);
         }
+        self.size = image;
+        self.window = window;
     }
 
-    /// Pixels of the last frame.
-    pub fn size(&self) -> [u32; 2] {
+    /// Pixels of the last frame's image, of which a window may be all that was drawn.
+    pub(super) fn image_size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Pixels of what the last frame drew.
+    pub fn size(&self) -> [u32; 2] {
+        self.window.size
     }
 
     /// The images of the relief pass; none before the first frame.

@@ -71,14 +71,15 @@ impl FrameUniforms {
         let grid = &resident.tiles.grid;
         let pose = &projection.pose;
         let eye = GridPosition::new(grid, pose.eye);
-        let tan = projection.tan_half_fov();
+        let [forward, across, upward] = projection.window_rays();
+        let pixel_angle = 2.0 * projection.tan_half_fov().y / f64::from(projection.size[1]);
         let ([sun_grid, sun_axes], sun_levels) = sun_bounds.uniforms(pose.eye.truncate());
         let vector = |v: DVec3, w: f64| v.as_vec3().extend(w as f32);
         Self {
             clip_from_eye_relative: projection.clip_from_eye_relative(),
-            forward: vector(pose.forward, 0.0),
-            across: vector(pose.right * tan.x, 0.0),
-            upward: vector(pose.up * tan.y, 0.0),
+            forward: vector(forward, 0.0),
+            across: vector(across, 0.0),
+            upward: vector(upward, 0.0),
             sun: vector(sun.to_sun, sun.angular_radius),
             sun_irradiance: vector(sun.irradiance, disc_fraction),
             search: settings.search,
@@ -91,7 +92,7 @@ impl FrameUniforms {
             tile_m: grid.tile_m as f32,
             eye_tile: eye.tile.to_array(),
             grid: [grid.columns as i32, grid.rows as i32],
-            size: projection.size.map(|count| count as f32),
+            size: projection.window.size.map(|count| count as f32),
             jitter: projection.jitter.as_vec2().to_array(),
             texel_m: resident.texel_m as f32,
             tile_texels_log2: resident.tile_texels.ilog2(),
@@ -100,7 +101,7 @@ impl FrameUniforms {
             terrain_step_m: resident.terrain_step_m as f32,
             terrain_side: resident.terrain_side,
             sample,
-            pixel_angle: (2.0 * tan.y / f64::from(projection.size[1])) as f32,
+            pixel_angle: pixel_angle as f32,
             imagery_side: resident.imagery.side as f32,
             pyramid_nodes: Pyramid::node_count(resident.tile_texels as usize) as u32,
             max_ground: resident.tiles.bounds.max_ground - eye.elevation,

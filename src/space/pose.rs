@@ -2,6 +2,8 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 
+use super::ImageWindow;
+
 /// Where the eye is and how it is turned. World axes: x east, y north, z up, metres; the three directions are unit vectors at
 /// right angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +25,8 @@ pub struct Projection {
     pub pose: Pose,
     /// Image width and height, pixels.
     pub size: [u32; 2],
+    /// The part of the image that is drawn.
+    pub window: ImageWindow,
     /// Tangent of half the vertical field of view.
     pub tan_half_fov_y: f64,
     /// Sub-pixel offset of the sample, pixels; (0, 0) is the pixel's centre.
@@ -63,6 +67,7 @@ impl Projection {
         Self {
             pose,
             size,
+            window: ImageWindow::whole(size),
             tan_half_fov_y: (0.5 * fov_y).tan(),
             jitter: DVec2::ZERO,
         }
@@ -94,18 +99,35 @@ impl Projection {
         (forward + right * tan.x + up * tan.y).normalize()
     }
 
-    /// Clip space from eye-relative world: reversed-Z with an infinite far plane
+    /// The ray through (x, y) of the window, -1 to 1 from its left to its right edge and from its lower to its upper one, is the first
+    /// vector + x times the second + y times the third.
+    pub fn window_rays(&self) -> [DVec3; 3] {
+        let [centre, half] = self.window.centre_and_half(self.size);
+        let tan = self.tan_half_fov();
+        let Pose {
+            right, up, forward, ..
+        } = self.pose;
+        let (across, upward) = (right * tan.x, up * tan.y);
+        [
+            forward + across * centre.x + upward * centre.y,
+            across * half.x,
+            upward * half.y,
+        ]
+    }
+
+    /// Clip space of the window from eye-relative world: reversed-Z with an infinite far plane
     /// (depth = near / distance along the view axis).
     pub fn clip_from_eye_relative(&self) -> Mat4 {
         let tan = self.tan_half_fov();
         let [width, height] = self.size.map(f64::from);
         // A sample offset by +jitter moves the image by -jitter.
-        let shift_x = -2.0 * self.jitter.x / width;
-        let shift_y = 2.0 * self.jitter.y / height;
+        let jitter = DVec2::new(-2.0 * self.jitter.x / width, 2.0 * self.jitter.y / height);
+        let [centre, half] = self.window.centre_and_half(self.size);
+        let shift = (jitter - centre) / half;
         let clip_from_view = DMat4::from_cols(
-            DVec4::new(1.0 / tan.x, 0.0, 0.0, 0.0),
-            DVec4::new(0.0, 1.0 / tan.y, 0.0, 0.0),
-            DVec4::new(shift_x, shift_y, 0.0, 1.0),
+            DVec4::new(1.0 / tan.x / half.x, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, 1.0 / tan.y / half.y, 0.0, 0.0),
+            DVec4::new(shift.x, shift.y, 0.0, 1.0),
             DVec4::new(0.0, 0.0, NEAR_M, 0.0),
         );
         let Pose {

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 use rilievo::camera::Camera;
-use rilievo::output::FrameRequest;
+use rilievo::output::{FrameRequest, Renderer};
 use rilievo::relief::ReliefSettings;
 use rilievo::space::{Pose, Sun};
 
@@ -133,6 +133,12 @@ pub fn request<'a>(camera: &'a Camera, sun: &'a Sun, size: [u32; 2]) -> FrameReq
         flare: None,
         exposure: 1.0,
     }
+}
+
+/// Linear radiance of a still of so many samples.
+pub fn radiance(renderer: &mut Renderer, request: &FrameRequest<'_>, samples: u32) -> Vec<[f32; 3]> {
+    let requests = vec![*request; samples as usize];
+    renderer.still_of(&requests, true).expect("a still").radiance
 }
 
 /// Three views of the sample city: street level, oblique, high. Eye and look in its CRS.

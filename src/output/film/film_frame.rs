@@ -19,6 +19,8 @@ pub struct FilmFrame<'a> {
     pub samples: u32,
     /// The part of a frame's time that the shutter is open, 0 to 1: motion blur.
     pub shutter: f64,
+    /// Whether frames have linear radiance beside what is displayed.
+    pub with_radiance: bool,
     /// How the city is drawn.
     pub relief: ReliefSettings,
     /// What makes the image, where the flight does not say.
@@ -65,6 +67,6 @@ impl FilmFrame<'_> {
                 exposure: view.exposure_or(self.exposure),
             })
             .collect();
-        renderer.still_of(&requests)
+        renderer.still_of(&requests, self.with_radiance)
     }
 }
