@@ -33,6 +33,10 @@ fn arguments(path: &Path, out: &Path) -> Vec<String> {
 
 /// What `render` gives of the flight at the time of a frame.
 fn still_of(path: &Path, frame: usize, out: &Path) {
+    still_of_size(path, frame, out, "96x54");
+}
+
+fn still_of_size(path: &Path, frame: usize, out: &Path, size: &str) {
     let city = support::sample().join("city").display().to_string();
     let at = (frame as f64 / 4.0).to_string();
     let [path, out] = [path, out].map(|path| path.display().to_string());
@@ -44,7 +48,7 @@ fn still_of(path: &Path, frame: usize, out: &Path) {
         "--at",
         &at,
         "--size",
-        "96x54",
+        size,
         "--samples",
         "2",
         "--out",
@@ -296,4 +300,35 @@ fn frames_of_radiance_are_their_stills() {
     let error = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(1), "{error}");
     assert!(error.contains("film.mp4"), "{error}");
+}
+
+/// A film wider than what is drawn at once has whole frames, each the still of its view.
+#[test]
+fn a_film_may_be_larger_than_what_is_drawn_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.json");
+    fs::write(
+        &path,
+        r#"[
+          {"t": 0.0, "eye": [288900, 4772600, 400], "look": [289180, 4773000, 215], "fov": 1},
+          {"t": 0.5, "eye": [289200, 4772950, 290], "look": [289400, 4773100, 215]}
+        ]"#,
+    )
+    .unwrap();
+    let out = folder.path().join("wide");
+    let size = "8300x20";
+    let mut all = arguments(&path, &out);
+    let at = all.iter().position(|word| word == "96x54").unwrap();
+    all[at] = size.to_owned();
+    succeed(&all);
+    let frames = frames(&out);
+    assert_eq!(frames.len(), 2);
+    let still = folder.path().join("still.png");
+    still_of_size(&path, 1, &still, size);
+    assert!(fs::read(&still).unwrap() == frames[1].1);
+    assert_eq!(image::image_dimensions(&still).unwrap(), (8300, 20));
+    let refused = support::rilievo(&[
+        "film", "nowhere", "--path", "x", "--out", "y", "--size", "70000x20",
+    ]);
+    assert_eq!(refused.status.code(), Some(2));
 }
