@@ -16,7 +16,21 @@ pub struct LayerPool {
     free: Vec<u32>,
     /// Layers ever used.
     used: u32,
+    /// A larger texture that is being made.
+    growth: Option<Growth>,
 }
+
+/// A larger texture, and how many of its layers hold something.
+struct Growth {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    filled: u32,
+}
+
+/// Bytes that a growth in parts copies at a time: a few milliseconds of a software device.
+const PART_BYTES: u64 = 16 << 20;
+/// Layers that it makes room for at least.
+const MIN_GROWN: u32 = 8;
 
 impl LayerPool {
     /// An empty pool of images of `size` texels with `levels` mip levels.
@@ -42,6 +56,7 @@ impl LayerPool {
             view,
             free: Vec::new(),
             used: 0,
+            growth: None,
         })
     }
 
@@ -96,6 +111,63 @@ impl LayerPool {
         Ok(grows)
     }
 
+    /// The same while frames go on: a part of the work at a time, and room for half as many more at a time. True when the texture was
+    /// made anew.
+    ///
+    /// # Errors
+    /// When the device allows no more layers.
+    pub fn grow_a_part(&mut self, gpu: &Gpu, images: u32) -> Result<bool, GpuError> {
+        let layers = self.texture.depth_or_array_layers();
+        let step = (layers + layers / 2).max(MIN_GROWN);
+        let wanted = (self.count() + images).min(step).min(Self::capacity(gpu));
+        if wanted <= layers {
+            self.growth = None;
+            return Ok(false);
+        }
+        let known = self
+            .growth
+            .take()
+            .filter(|growth| growth.texture.depth_or_array_layers() >= wanted);
+        let mut growth = known.unwrap_or_else(|| {
+            let (texture, view) = make(gpu, (self.label, self.format), self.size, [self.levels, wanted]);
+            Growth {
+                texture,
+                view,
+                filled: 0,
+            }
+        });
+        let all = growth.texture.depth_or_array_layers();
+        let part = u32::try_from(PART_BYTES / self.image_bytes().max(1)).unwrap_or(all);
+        let filled = (growth.filled + part.max(1)).min(all);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for layer in growth.filled..filled {
+            // What holds nothing yet is filled too: else the device would clear it all at once when it is first seen.
+            let from = if layer < self.used { layer } else { 0 };
+            self.copy(&mut encoder, &growth.texture, [from, layer], 1);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        growth.filled = filled;
+        if filled < all {
+            self.growth = Some(growth);
+            return Ok(false);
+        }
+        (self.texture, self.view) = (growth.texture, growth.view);
+        Ok(true)
+    }
+
+    /// Images that may come: as many as there is room for, any number where it can become no more, as others have to go then.
+    pub fn room(&self, gpu: &Gpu) -> u32 {
+        match self.texture.depth_or_array_layers() {
+            layers if layers >= Self::capacity(gpu) => layers,
+            layers => layers - self.count(),
+        }
+    }
+
+    /// Whether it is growing, a part at a time.
+    pub fn is_growing(&self) -> bool {
+        self.growth.is_some()
+    }
+
     /// Gives a layer back.
     pub fn free(&mut self, layer: u32) {
         self.free.push(layer);
@@ -108,49 +180,69 @@ impl LayerPool {
         let (texture, view) = make(gpu, (self.label, self.format), self.size, [self.levels, layers]);
         if self.used > 0 {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            for level in 0..self.levels {
-                let place = |texture| wgpu::TexelCopyTextureInfo {
-                    texture,
-                    mip_level: level,
-                    origin: wgpu::Origin3d::ZERO,
-                    aspect: wgpu::TextureAspect::All,
-                };
-                let [width, height] = self.size.map(|side| (side >> level).max(1));
-                let size = wgpu::Extent3d {
-                    width,
-                    height,
-                    depth_or_array_layers: self.used,
-                };
-                encoder.copy_texture_to_texture(place(&self.texture), place(&texture), size);
-            }
+            self.copy(&mut encoder, &texture, [0; 2], self.used);
             gpu.queue.submit([encoder.finish()]);
         }
+        self.growth = None;
         (self.texture, self.view) = (texture, view);
         Ok(())
     }
 
+    /// Copies layers, all their levels, into another texture: from the first number, to the second.
+    fn copy(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        onto: &wgpu::Texture,
+        [from, to]: [u32; 2],
+        layers: u32,
+    ) {
+        for level in 0..self.levels {
+            encoder.copy_texture_to_texture(
+                place(&self.texture, level, from),
+                place(onto, level, to),
+                self.extent(level, layers),
+            );
+        }
+    }
+
+    fn extent(&self, level: u32, layers: u32) -> wgpu::Extent3d {
+        let [width, height] = self.size.map(|side| (side >> level).max(1));
+        wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: layers,
+        }
+    }
+
     /// Writes one mip level of one layer.
     pub fn write<T: bytemuck::NoUninit>(&self, gpu: &Gpu, layer: u32, level: u32, texels: &[T]) {
-        let [width, height] = self.size.map(|side| (side >> level).max(1));
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &self.texture,
-                mip_level: level,
-                origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-                aspect: wgpu::TextureAspect::All,
-            },
-            bytemuck::cast_slice(texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(size_of_val(texels) as u32 / height),
-                rows_per_image: Some(height),
-            },
-            wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-        );
+        let extent = self.extent(level, 1);
+        // Into what grows as well, where the layer was copied already.
+        let grown = self.growth.as_ref().filter(|growth| layer < growth.filled);
+        for texture in [Some(&self.texture), grown.map(|growth| &growth.texture)]
+            .into_iter()
+            .flatten()
+        {
+            gpu.queue.write_texture(
+                place(texture, level, layer),
+                bytemuck::cast_slice(texels),
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(size_of_val(texels) as u32 / extent.height),
+                    rows_per_image: Some(extent.height),
+                },
+                extent,
+            );
+        }
+    }
+}
+
+fn place(texture: &wgpu::Texture, level: u32, layer: u32) -> wgpu::TexelCopyTextureInfo<'_> {
+    wgpu::TexelCopyTextureInfo {
+        texture,
+        mip_level: level,
+        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+        aspect: wgpu::TextureAspect::All,
     }
 }
 
@@ -166,4 +258,66 @@ fn make(
         ..Default::default()
     });
     (texture, view)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::gpu::read_texture;
+
+    /// The value of all texels of a layer.
+    fn held(gpu: &Gpu, pool: &LayerPool, layer: u32, level: u32) -> u32 {
+        let extent = pool.extent(level, 1);
+        let (texture, _) = make(gpu, ("layer", pool.format), [extent.width, extent.height], [1, 1]);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let from = place(&pool.texture, level, layer);
+        encoder.copy_texture_to_texture(from, place(&texture, 0, 0), extent);
+        gpu.queue.submit([encoder.finish()]);
+        let texels = read_texture::<u32>(gpu, &texture).unwrap();
+        assert!(texels.iter().all(|&texel| texel == texels[0]));
+        texels[0]
+    }
+
+    #[test]
+    fn a_pool_that_grows_a_part_at_a_time_keeps_its_images_and_those_that_change() {
+        let gpu = Gpu::open().unwrap();
+        let size = [1024, 1024];
+        let format = wgpu::TextureFormat::R32Uint;
+        let mut pool = LayerPool::new(&gpu, "test", format, size, 2).unwrap();
+        let put = |pool: &LayerPool, layer: u32, value: u32| {
+            pool.write(&gpu, layer, 0, &vec![value; 1 << 20]);
+            pool.write(&gpu, layer, 1, &vec![value + 1; 1 << 18]);
+        };
+        let (first, _) = pool.take(&gpu).unwrap();
+        put(&pool, first, 10);
+        assert_eq!(pool.room(&gpu), 0);
+        assert!(!pool.grow_a_part(&gpu, 7).unwrap(), "in one part");
+        assert!(pool.is_growing());
+        put(&pool, first, 20);
+        let mut parts = 1;
+        while !pool.grow_a_part(&gpu, 7).unwrap() {
+            parts += 1;
+            assert!(parts < 100);
+        }
+        assert!(parts > 1 && !pool.is_growing());
+        assert!(pool.room(&gpu) >= 7, "{}", pool.room(&gpu));
+        let layers: Vec<u32> = (0..3)
+            .map(|k| {
+                let (layer, grows) = pool.take(&gpu).unwrap();
+                assert!(!grows);
+                put(&pool, layer, 30 + 10 * k);
+                layer
+            })
+            .collect();
+        assert_eq!(
+            [held(&gpu, &pool, first, 0), held(&gpu, &pool, first, 1)],
+            [20, 21]
+        );
+        for (k, layer) in (0..).zip(layers) {
+            assert_eq!(held(&gpu, &pool, layer, 0), 30 + 10 * k);
+        }
+        // There is room: nothing grows.
+        assert!(!pool.grow_a_part(&gpu, 1).unwrap() && !pool.is_growing());
+    }
 }

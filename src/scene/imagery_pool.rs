@@ -1,8 +1,6 @@
 //! Imagery on the device.
 
 use super::SceneError;
-use super::imagery_mips::imagery_mips;
-use crate::city::ImageryTile;
 use crate::gpu::{Gpu, LayerPool};
 
 /// Imagery of all resident tiles: a slot is a layer.
@@ -27,14 +25,14 @@ impl ImageryPool {
         })
     }
 
-    /// Puts a tile; its slot, and true when what shaders read was made anew.
+    /// Puts a tile's mip levels; its slot, and true when what shaders read was made anew.
     ///
     /// # Errors
     /// When the device holds no more.
-    pub fn put(&mut self, gpu: &Gpu, imagery: ImageryTile) -> Result<(u32, bool), SceneError> {
+    pub fn put(&mut self, gpu: &Gpu, mips: &[Vec<u8>]) -> Result<(u32, bool), SceneError> {
         let (layer, grows) = self.layers.take(gpu)?;
-        for (level, texels) in (0..).zip(imagery_mips(imagery)) {
-            self.layers.write(gpu, layer, level, &texels);
+        for (level, texels) in (0..).zip(mips) {
+            self.layers.write(gpu, layer, level, texels);
         }
         Ok((layer, grows))
     }

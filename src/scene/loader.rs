@@ -6,8 +6,9 @@ use std::time::SystemTime;
 
 use rayon::prelude::*;
 
+use super::imagery_mips::imagery_mips;
 use crate::buildings::MapTile;
-use crate::city::{City, CityError, ImageryTile, Layer, TerrainTile};
+use crate::city::{City, CityError, Layer, TerrainTile};
 use crate::space::TileId;
 use crate::terrain::GroundBounds;
 
@@ -22,8 +23,8 @@ pub enum Loaded {
     Terrain(Box<(TerrainTile, GroundBounds)>),
     /// A building map.
     Map(Box<MapTile>),
-    /// Imagery.
-    Imagery(ImageryTile),
+    /// Imagery and its mip levels.
+    Imagery(Vec<Vec<u8>>),
 }
 
 /// A tile read.
@@ -120,7 +121,9 @@ fn load(city: &City, (layer, id): TileKey) -> Result<Loaded, CityError> {
         Layer::Buildings => city
             .buildings(id)?
             .map(|map| Loaded::Map(Box::new(MapTile::new(map)))),
-        Layer::Imagery => city.imagery(id)?.map(Loaded::Imagery),
+        Layer::Imagery => city
+            .imagery(id)?
+            .map(|imagery| Loaded::Imagery(imagery_mips(imagery))),
     }
     .unwrap_or(Loaded::Nothing))
 }

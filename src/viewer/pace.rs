@@ -61,7 +61,7 @@ pub const MAX_SAMPLES: u32 = 64;
 pub const FRAMES_PER_S: f64 = 15.0;
 const USED: f64 = 0.9;
 /// A whole image that takes longer than this is bridged by one at this scale.
-const SLOW: Duration = Duration::from_millis(850);
+const SLOW: Duration = Duration::from_millis(1000);
 const BRIDGE: f64 = 0.75;
 /// Frames in motion are taken for no more times too long than this.
 const MAX_EXCESS: f64 = 8.0;
@@ -71,7 +71,7 @@ const ALIKE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 const BAND: Duration = Duration::from_millis(80);
 const MAX_BANDS: u32 = 16;
 /// The camera rests when it has not moved for so long.
-const REST: Duration = Duration::from_millis(80);
+const REST: Duration = Duration::from_millis(50);
 
 impl Pace {
     /// The window opens: as in motion, so that there is something to see at once.

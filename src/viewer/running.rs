@@ -227,8 +227,9 @@ impl Running {
         self.renderer.detail_size = Some(full_size);
         let version = self.renderer.resident.version();
         self.renderer.prepare(&request(full_size))?;
-        if self.renderer.resident.version() != version {
-            // Tiles came: as in motion, until all are there.
+        let resident = &self.renderer.resident;
+        if resident.version() != version || resident.is_making_room() {
+            // Tiles came, or are about to: as in motion, until all are there.
             self.pace.moved(now);
         }
         if let Some(warning) = self.renderer.resident.take_warnings().pop() {

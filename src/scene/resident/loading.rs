@@ -98,7 +98,10 @@ impl Resident {
         let maps = count(Layer::Buildings) as u64 * self.guess(MAPS);
         let maps = maps.min(self.options.budget.saturating_sub(self.bytes()));
         let terrain = self.terrain.reserve_layers(gpu, count(Layer::Terrain) as u32)?;
-        let imagery = self.imagery.layers.reserve(gpu, count(Layer::Imagery) as u32)?;
+        let imagery = self
+            .imagery
+            .layers
+            .grow_a_part(gpu, count(Layer::Imagery) as u32)?;
         let grows = self.maps.reserve_bytes(gpu, maps) || terrain || imagery;
         self.bindings += u64::from(grows);
         Ok(())
@@ -123,6 +126,13 @@ impl Resident {
             let seen = rank_a.0.cmp(&rank_b.0);
             seen.then(b.level.cmp(&a.level))
                 .then(rank_a.1.total_cmp(&rank_b.1))
+        });
+        // Imagery as far as there is room: it is by far the largest, and its room grows a part at a time.
+        let mut room = self.imagery.layers.room(gpu);
+        missing.retain(|(layer, _)| {
+            let fits = *layer != Layer::Imagery || room > 0;
+            room = room.saturating_sub(u32::from(*layer == Layer::Imagery));
+            fits
         });
         self.loader.request(&self.city, &missing);
         Ok(())

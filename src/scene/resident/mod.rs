@@ -269,6 +269,11 @@ impl Resident {
             || (self.wanted.iter().enumerate()).any(|(layer, ids)| ids.iter().any(|id| is_missing(layer, id)))
     }
 
+    /// Whether room is being made for tiles that are to come.
+    pub fn is_making_room(&self) -> bool {
+        self.imagery.layers.is_growing()
+    }
+
     /// The fraction of the tiles that the last view wants which are resident, or cannot be read.
     pub fn loaded_fraction(&self) -> f32 {
         let wanted = || {

@@ -54,7 +54,7 @@ impl Resident {
                 (Some((put.slot, put.is_new)), put.bytes)
             }
             Loaded::Imagery(imagery) => {
-                let put = self.imagery.put(gpu, imagery)?;
+                let put = self.imagery.put(gpu, &imagery)?;
                 (Some(put), self.imagery.layers.image_bytes())
             }
         };
