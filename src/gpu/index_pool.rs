@@ -87,7 +87,7 @@ impl IndexPool {
             return;
         }
         let allowed = gpu.device.limits().max_buffer_size / INDEX_BYTES;
-        let buffer = make(gpu, self.label, (indices + indices / 8).min(allowed));
+        let buffer = make(gpu, self.label, (indices + indices / 2).min(allowed));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.buffer, 0, &buffer, 0, self.buffer.size());
         gpu.queue.submit([encoder.finish()]);

@@ -31,6 +31,8 @@ struct Growth {
 const PART_BYTES: u64 = 16 << 20;
 /// Layers that it makes room for at least.
 const MIN_GROWN: u32 = 8;
+/// Bytes that are made at once nevertheless, where a part holds all that there is: as a city is opened.
+const AT_ONCE_BYTES: u64 = 4 * PART_BYTES;
 
 impl LayerPool {
     /// An empty pool of images of `size` texels with `levels` mip levels.
@@ -111,19 +113,26 @@ impl LayerPool {
         Ok(grows)
     }
 
-    /// The same while frames go on: a part of the work at a time, and room for half as many more at a time. True when the texture was
-    /// made anew.
+    /// The same while frames go on: where that is much work, a part of it at a time, and room for half as many more at a time. True when
+    /// the texture was made anew.
     ///
     /// # Errors
     /// When the device allows no more layers.
     pub fn grow_a_part(&mut self, gpu: &Gpu, images: u32) -> Result<bool, GpuError> {
         let layers = self.texture.depth_or_array_layers();
-        let step = (layers + layers / 2).max(MIN_GROWN);
-        let wanted = (self.count() + images).min(step).min(Self::capacity(gpu));
-        if wanted <= layers {
+        let wanted = self.count() + images;
+        if wanted.min(Self::capacity(gpu)) <= layers {
             self.growth = None;
             return Ok(false);
         }
+        // Somewhat more: the next view wants a few others.
+        let roomy = (wanted + wanted / 8).min(Self::capacity(gpu));
+        let bytes = |layers: u32| u64::from(layers) * self.image_bytes();
+        if bytes(self.used) <= PART_BYTES && bytes(roomy) <= AT_ONCE_BYTES {
+            self.grow_to(gpu, roomy)?;
+            return Ok(true);
+        }
+        let wanted = roomy.min((layers + layers / 2).max(MIN_GROWN));
         let known = self
             .growth
             .take()
@@ -292,11 +301,11 @@ mod tests {
         let (first, _) = pool.take(&gpu).unwrap();
         put(&pool, first, 10);
         assert_eq!(pool.room(&gpu), 0);
-        assert!(!pool.grow_a_part(&gpu, 7).unwrap(), "in one part");
+        assert!(!pool.grow_a_part(&gpu, 20).unwrap(), "in one part");
         assert!(pool.is_growing());
         put(&pool, first, 20);
         let mut parts = 1;
-        while !pool.grow_a_part(&gpu, 7).unwrap() {
+        while !pool.grow_a_part(&gpu, 20).unwrap() {
             parts += 1;
             assert!(parts < 100);
         }

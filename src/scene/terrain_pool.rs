@@ -95,16 +95,23 @@ impl TerrainPool {
         let triangles = tiles.iter().flat_map(|tile| &tile.meshes).map(Vec::len);
         let indices = triangles.sum::<usize>() as f64 * 3.3 * times;
         self.indices.reserve(gpu, indices as u64);
-        self.reserve_layers(gpu, (tiles.len() as f64 * times) as u32)
+        let count = (tiles.len() as f64 * times) as u32;
+        let heights = self.heights.reserve(gpu, count)?;
+        Ok(self.bounds.reserve(gpu, count)? || heights)
     }
 
-    /// Makes room for the samples of some tiles; true when what shaders read was made anew.
+    /// The same a part at a time, while frames go on.
     ///
     /// # Errors
     /// When the device allows no more.
-    pub fn reserve_layers(&mut self, gpu: &Gpu, count: u32) -> Result<bool, SceneError> {
-        let heights = self.heights.reserve(gpu, count)?;
-        Ok(self.bounds.reserve(gpu, count)? || heights)
+    pub fn grow_a_part(&mut self, gpu: &Gpu, count: u32) -> Result<bool, SceneError> {
+        let heights = self.heights.grow_a_part(gpu, count)?;
+        Ok(self.bounds.grow_a_part(gpu, count)? || heights)
+    }
+
+    /// Tiles that may come.
+    pub fn room(&self, gpu: &Gpu) -> u32 {
+        self.heights.room(gpu).min(self.bounds.room(gpu))
     }
 
     /// Puts a tile that has ground; its slot, and true when what shaders read was made anew.

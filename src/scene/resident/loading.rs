@@ -97,7 +97,7 @@ impl Resident {
         let count = |layer: Layer| missing.iter().filter(|(other, _)| *other == layer).count();
         let maps = count(Layer::Buildings) as u64 * self.guess(MAPS);
         let maps = maps.min(self.options.budget.saturating_sub(self.bytes()));
-        let terrain = self.terrain.reserve_layers(gpu, count(Layer::Terrain) as u32)?;
+        let terrain = self.terrain.grow_a_part(gpu, count(Layer::Terrain) as u32)?;
         let imagery = self
             .imagery
             .layers
@@ -127,11 +127,14 @@ impl Resident {
             seen.then(b.level.cmp(&a.level))
                 .then(rank_a.1.total_cmp(&rank_b.1))
         });
-        // Imagery as far as there is room: it is by far the largest, and its room grows a part at a time.
-        let mut room = self.imagery.layers.room(gpu);
+        // As far as there is room, where that grows a part at a time.
+        let mut room = [u32::MAX; 3];
+        room[layer_index(Layer::Terrain)] = self.terrain.room(gpu);
+        room[layer_index(Layer::Imagery)] = self.imagery.layers.room(gpu);
         missing.retain(|(layer, _)| {
-            let fits = *layer != Layer::Imagery || room > 0;
-            room = room.saturating_sub(u32::from(*layer == Layer::Imagery));
+            let room = &mut room[layer_index(*layer)];
+            let fits = *room > 0;
+            *room = room.saturating_sub(1);
             fits
         });
         self.loader.request(&self.city, &missing);

@@ -271,7 +271,10 @@ impl Resident {
 
     /// Whether room is being made for tiles that are to come.
     pub fn is_making_room(&self) -> bool {
-        self.imagery.layers.is_growing()
+        let TerrainPool { heights, bounds, .. } = &self.terrain;
+        [heights, bounds, &self.imagery.layers]
+            .iter()
+            .any(|layers| layers.is_growing())
     }
 
     /// The fraction of the tiles that the last view wants which are resident, or cannot be read.
