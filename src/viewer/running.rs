@@ -232,6 +232,10 @@ impl Running {
             // Tiles came, or are about to: as in motion, until all are there.
             self.pace.moved(now);
         }
+        if self.pace.is_full() && !self.renderer.resident.is_loading() {
+            let Renderer { resident, gpu, .. } = &mut self.renderer;
+            resident.make_room_ahead(gpu).map_err(RenderError::from)?;
+        }
         if let Some(warning) = self.renderer.resident.take_warnings().pop() {
             self.message = warning;
         }

@@ -107,6 +107,25 @@ impl Resident {
         Ok(())
     }
 
+    /// Makes room for about half as many more tiles as there are, as the budget has it, a part at a time: while the view rests, so that
+    /// no frame in motion has to.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn make_room_ahead(&mut self, gpu: &Gpu) -> Result<(), SceneError> {
+        let mut rest = self.options.budget.saturating_sub(self.bytes());
+        let mut ahead = |count: u32, bytes: u64| {
+            let images = (count / 2).min(u32::try_from(rest / bytes.max(1)).unwrap_or(u32::MAX));
+            rest -= u64::from(images) * bytes;
+            images
+        };
+        let tiles = ahead(self.terrain.heights.count(), self.terrain.tile_bytes());
+        let images = ahead(self.imagery.layers.count(), self.imagery.layers.image_bytes());
+        let grows = self.terrain.grow_a_part(gpu, tiles)? || self.imagery.layers.grow_a_part(gpu, images)?;
+        self.bindings += u64::from(grows);
+        Ok(())
+    }
+
     /// Takes what has come in and asks for more.
     pub(super) fn stream(&mut self, gpu: &Gpu, view: &DetailView) -> Result<(), SceneError> {
         let begun = Instant::now();

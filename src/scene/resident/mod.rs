@@ -272,9 +272,8 @@ impl Resident {
     /// Whether room is being made for tiles that are to come.
     pub fn is_making_room(&self) -> bool {
         let TerrainPool { heights, bounds, .. } = &self.terrain;
-        [heights, bounds, &self.imagery.layers]
-            .iter()
-            .any(|layers| layers.is_growing())
+        let mut pools = [heights, bounds, &self.imagery.layers].into_iter();
+        self.is_loading() && pools.any(|layers| layers.is_growing())
     }
 
     /// The fraction of the tiles that the last view wants which are resident, or cannot be read.
