@@ -13,7 +13,7 @@ mod tiles;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use std::time::SystemTime;
+use std::time::{Duration, Instant, SystemTime};
 
 use glam::{DVec2, DVec3, Mat4};
 
@@ -116,6 +116,8 @@ pub struct Resident {
     views: u64,
     /// What tells one view from another.
     last_view: Option<ViewKey>,
+    /// When tiles were last taken while frames go on.
+    last_stream: Option<Instant>,
     /// Slots of the terrain tiles that stand in the table.
     ground_cover: Vec<u32>,
     /// Tiles that could not be read.
@@ -129,6 +131,9 @@ pub struct Resident {
     /// Counts how often the table was written.
     tables: u64,
 }
+
+/// Time between two looks at what has come in while frames go on, at least.
+const STREAM_EVERY: Duration = Duration::from_millis(10);
 
 /// Projection, eye, direction to the sun, pixels.
 type ViewKey = (Mat4, DVec3, DVec3, [u32; 2]);
@@ -193,6 +198,7 @@ impl Resident {
             wanted: [const { Vec::new() }; 3],
             views: 0,
             last_view: None,
+            last_stream: None,
             ground_cover: Vec::new(),
             failed: BTreeSet::new(),
             warnings,
@@ -223,7 +229,10 @@ impl Resident {
             sun.to_sun,
             projection.size,
         );
-        if self.last_view == Some(key) && !self.is_stale && !(self.options.streams && self.is_loading()) {
+        // A frame asks more than once.
+        let has_come = self.last_stream.is_none_or(|last| last.elapsed() > STREAM_EVERY);
+        let is_due = self.options.streams && has_come && self.is_loading();
+        if self.last_view == Some(key) && !self.is_stale && !is_due {
             return Ok(());
         }
         self.last_view = Some(key);
@@ -233,6 +242,7 @@ impl Resident {
         self.wanted = wanted;
         if self.options.streams {
             self.stream(gpu, &view)?;
+            self.last_stream = Some(Instant::now());
         } else {
             self.load_all(gpu)?;
         }
