@@ -37,6 +37,8 @@ pub struct Reading {
     pub loaded: Result<Loaded, CityError>,
 }
 
+/// How much a thread that reads tiles stands back, in the system's steps.
+const NICE: i32 = 10;
 /// Most tiles on their way at a time.
 const MAX_IN_FLIGHT: usize = 48;
 
@@ -55,7 +57,11 @@ impl Default for Loader {
         let cores = std::thread::available_parallelism().map_or(1, |count| count.get());
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads((cores / 2).max(1))
-            .thread_name(|k| format!("tiles {k}"));
+            .thread_name(|k| format!("tiles {k}"))
+            .start_handler(|_| {
+                // Frames go first. Where the system does not let that be said, they share.
+                let _ = rustix::process::nice(NICE);
+            });
         Self {
             threads: threads.build().ok(),
             sender,
