@@ -61,7 +61,7 @@ pub const MAX_SAMPLES: u32 = 64;
 pub const FRAMES_PER_S: f64 = 15.0;
 const USED: f64 = 0.9;
 /// A whole image that takes longer than this is bridged by one at this scale.
-const SLOW: Duration = Duration::from_millis(1000);
+const SLOW: Duration = Duration::from_millis(1200);
 const BRIDGE: f64 = 0.75;
 /// Frames in motion are taken for no more times too long than this.
 const MAX_EXCESS: f64 = 8.0;
