@@ -130,3 +130,43 @@ fn a_picture_through_a_lens_has_its_flare_and_dark_corners_in_windows_too() {
     let again = renderer.still_of(&[flared; SAMPLES], true).unwrap();
     assert!(again.rgba == stills[0].rgba, "the picture drawn at once changed");
 }
+
+/// The flare of an image that has more pixels than a flare may have is that of a small image, enlarged.
+#[test]
+fn the_flare_of_a_large_image_is_enlarged() {
+    let mut renderer = renderer();
+    let sun = Sun::from_azimuth_altitude(215.0, 20.0);
+    let (_, eye, _) = support::VIEWS[2];
+    let optics = LensOptics::new(Arc::new(built_in("heliar").unwrap().unwrap()), 5.6, [36.0, 24.0]);
+    let flare = FlareSettings::from_preset(Quality::Low.preset(), Aperture::default());
+    let camera = Camera {
+        pose: Pose::looking_along(DVec3::from_array(eye), sun.to_sun + DVec3::new(0.06, 0.02, -0.03)),
+        optics: Optics::Lens(optics),
+    };
+    const TIMES: usize = 5;
+    // What the lens adds, as the mean of squares of so many pixels.
+    let mut added = |size: [u32; 2], times: usize| -> Vec<f64> {
+        let plain = support::request(&camera, &sun, size);
+        let flared = FrameRequest {
+            flare: Some(&flare),
+            ..plain
+        };
+        let [with, without] = [flared, plain].map(|request| support::radiance(&mut renderer, &request, 1));
+        let [wide, high] = size.map(|side| side as usize);
+        let (columns, rows) = (wide / times, high / times);
+        let mut sums = vec![0.0; columns * rows];
+        for (k, (with, without)) in with.iter().zip(&without).enumerate() {
+            let (column, row) = (k % wide / times, k / wide / times);
+            sums[row * columns + column] += f64::from(with[1] - without[1]) / (times * times) as f64;
+        }
+        sums
+    };
+    let small = added([1000, 40], 1);
+    let large = added([1000 * TIMES as u32, 40 * TIMES as u32], TIMES);
+    assert_eq!(small.len(), large.len());
+    let total: f64 = small.iter().sum();
+    assert!(total > 0.0);
+    let off: f64 = small.iter().zip(&large).map(|(a, b)| (a - b).abs()).sum();
+    println!("off by {:.4} of the light", off / total);
+    assert!(off < 0.05 * total, "{}", off / total);
+}

@@ -40,7 +40,7 @@ pub struct FilmArgs {
     /// What the files of a folder hold: PNG, or linear radiance as OpenEXR.
     #[arg(long, value_enum, default_value = "png")]
     frames: FrameKind,
-    /// Image size, pixels: of any size, drawn in parts where it is too large for the device.
+    /// Image size, pixels, up to 65535 a side: drawn in parts where it is too large for the device.
     #[arg(long, default_value = "1280x720", value_parser = super::values::picture_size)]
     size: [u32; 2],
     /// Samples a pixel: anti-aliasing, soft shadows, motion blur.

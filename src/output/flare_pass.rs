@@ -1,9 +1,10 @@
 //! What the camera's lens adds to an image: a target of its own, drawn anew only when something of the flare changed. It shows the
-//! image as a whole, also where that is drawn in windows: with as many pixels as a device surely has, of which a window shows its part.
+//! image as a whole, also where that is drawn in windows: with as many pixels as a window may have, of which each shows its part.
 
 use std::sync::Arc;
 
 use super::flare_window::FlareWindow;
+use super::windows::MAX_WINDOW_PX;
 use super::{FrameRequest, RenderError, Renderer};
 use crate::camera::flare::{
     Aperture, FlareEffect, FlareRequest, GhostParameters, GhostTable, Preset, StarburstParameters,
@@ -49,8 +50,8 @@ pub(super) struct FlarePass {
     is_lit: bool,
 }
 
-/// Longest side of a flare, pixels; that of a larger image is enlarged. WebGPU's default limit.
-const MAX_FLARE_PX: u32 = 8192;
+/// Longest side of a flare, pixels; that of a larger image is enlarged.
+const MAX_FLARE_PX: u32 = MAX_WINDOW_PX;
 
 /// Pixels of the flare of an image.
 fn flare_size(image: [u32; 2]) -> [u32; 2] {
@@ -110,6 +111,11 @@ impl FlarePass {
         } else {
             1.0
         }
+    }
+
+    /// Whether the target shows a part of the flare, or enlarges it.
+    pub(super) fn shows_part(&self) -> bool {
+        self.window.is_some()
     }
 
     /// Radiance that the lens adds to what is drawn of the image.

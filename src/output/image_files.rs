@@ -51,6 +51,9 @@ pub fn write_ids(path: &Path, size: [u32; 2], ids: &[u32]) -> Result<(), OutputE
     write_tiff::<colortype::Gray32>(path, size, ids)
 }
 
+/// Bytes of pixels up to which a TIFF is a classic one, whose offsets have 32 bits.
+const MAX_CLASSIC_TIFF: u64 = 4_000_000_000;
+
 fn write_tiff<C: colortype::ColorType>(
     path: &Path,
     size: [u32; 2],
@@ -62,9 +65,14 @@ where
     let error = output_error(path);
     let file = File::create(path).map_err(|why| error(why.to_string()))?;
     let mut writer = BufWriter::new(file);
-    TiffEncoder::new(&mut writer)
-        .and_then(|mut encoder| encoder.write_image::<C>(size[0], size[1], values))
-        .map_err(|why| error(why.to_string()))?;
+    let [width, height] = size;
+    let written = if size_of_val(values) as u64 > MAX_CLASSIC_TIFF {
+        TiffEncoder::new_big(&mut writer)
+            .and_then(|mut encoder| encoder.write_image::<C>(width, height, values))
+    } else {
+        TiffEncoder::new(&mut writer).and_then(|mut encoder| encoder.write_image::<C>(width, height, values))
+    };
+    written.map_err(|why| error(why.to_string()))?;
     writer.flush().map_err(|why| error(why.to_string()))
 }
 

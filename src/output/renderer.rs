@@ -133,8 +133,7 @@ impl Renderer {
         if self.size == image && self.window == window {
             return;
         }
-        let is_whole = |image: [u32; 2], window: ImageWindow| window == ImageWindow::whole(image);
-        let was_whole = is_whole(self.size, self.window);
+        let showed_part = self.flare.shows_part();
         if self.size != image {
             self.flare.resize(&self.gpu, image);
         }
@@ -144,7 +143,8 @@ impl Renderer {
         self.accumulate.resize(&self.gpu, size, &targets.radiance);
         self.temporal
             .resize(&self.gpu, size, &targets.radiance, &targets.distance);
-        if !(was_whole && is_whole(image, window)) && (self.size, self.window.size) != (image, size) {
+        let is_other = (self.size, self.window.size) != (image, size);
+        if is_other && (showed_part || self.flare.shows_part()) {
             self.tone_map.forget();
         }
         if let (Some(sums), Some(flare)) = (self.accumulate.targets(), self.flare.target()) {

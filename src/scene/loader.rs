@@ -37,6 +37,7 @@ pub struct Reading {
     pub loaded: Result<Loaded, CityError>,
 }
 
+#[cfg(target_os = "linux")]
 /// How much a thread that reads tiles stands back, in the system's steps.
 const NICE: i32 = 10;
 /// Most tiles on their way at a time.
@@ -58,10 +59,7 @@ impl Default for Loader {
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads((cores / 2).max(1))
             .thread_name(|k| format!("tiles {k}"))
-            .start_handler(|_| {
-                // Frames go first. Where the system does not let that be said, they share.
-                let _ = rustix::process::nice(NICE);
-            });
+            .start_handler(|_| stand_back());
         Self {
             threads: threads.build().ok(),
             sender,
@@ -99,10 +97,22 @@ impl Loader {
         Some(reading)
     }
 
+    /// Tiles that are on their way.
+    pub fn in_flight(&self) -> &[TileKey] {
+        &self.in_flight
+    }
+
     /// True when tiles are on their way.
     pub fn is_busy(&self) -> bool {
         !self.in_flight.is_empty()
     }
+}
+
+/// Lets frames go before what the calling thread does, where the system knows that of a thread.
+fn stand_back() {
+    #[cfg(target_os = "linux")]
+    // Where it does not allow it, they share.
+    let _ = rustix::process::nice(NICE);
 }
 
 /// Reads tiles at once, on all threads.

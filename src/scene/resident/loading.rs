@@ -129,6 +129,8 @@ impl Resident {
     /// Takes what has come in and asks for more.
     pub(super) fn stream(&mut self, gpu: &Gpu, view: &DetailView) -> Result<(), SceneError> {
         let begun = Instant::now();
+        // So that none of what this view wants makes room for what came in for it.
+        self.missing();
         while begun.elapsed() < FRAME_TIME
             && let Some(reading) = self.loader.finished()
         {
@@ -150,6 +152,13 @@ impl Resident {
         let mut room = [u32::MAX; 3];
         room[layer_index(Layer::Terrain)] = self.terrain.room(gpu);
         room[layer_index(Layer::Imagery)] = self.imagery.layers.room(gpu);
+        for key in self.loader.in_flight() {
+            // No longer wanted, it comes nevertheless.
+            if !missing.contains(key) {
+                let room = &mut room[layer_index(key.0)];
+                *room = room.saturating_sub(1);
+            }
+        }
         missing.retain(|(layer, _)| {
             let room = &mut room[layer_index(*layer)];
             let fits = *room > 0;
