@@ -18,7 +18,7 @@ use rilievo::space::{Pose, Sun};
 
 /// Of odd sides, so that the last windows are cut.
 const SIZE: [u32; 2] = [629, 371];
-/// Windows of 256 pixels are kept of each.
+/// The crops of such windows have 256 pixels.
 const WINDOW_PX: u32 = 400;
 const SAMPLES: usize = 2;
 
@@ -36,8 +36,8 @@ fn both(renderer: &mut Renderer, request: &FrameRequest<'_>) -> [Still; 2] {
     })
 }
 
-/// Share of the pixels for which something holds: of all, and of those beside a border between windows.
-fn shares(holds: impl Fn(usize) -> bool) -> [f64; 2] {
+/// Fraction of the pixels for which something holds: of all, and of those beside a border between windows.
+fn fractions(holds: impl Fn(usize) -> bool) -> [f64; 2] {
     let [mut all, mut border, mut borders] = [0, 0, 0];
     for row in 0..SIZE[1] {
         for column in 0..SIZE[0] {
@@ -61,14 +61,14 @@ fn shares(holds: impl Fn(usize) -> bool) -> [f64; 2] {
 fn assert_same(name: &str, [whole, parts]: &[Still; 2]) {
     assert_eq!(whole.rgba.len(), parts.rgba.len());
     let far = |a: f32, b: f32| (a - b).abs() > 1e-3 * a.abs().max(1.0) || a.is_nan() != b.is_nan();
-    let other_depth = shares(|k| far(whole.depth[k], parts.depth[k]));
-    let other_id = shares(|k| whole.ids[k] != parts.ids[k]);
+    let other_depth = fractions(|k| far(whole.depth[k], parts.depth[k]));
+    let other_id = fractions(|k| whole.ids[k] != parts.ids[k]);
     let code = |still: &Still, k: usize| [0, 1, 2].map(|channel| still.rgba[4 * k + channel]);
-    let other_colour = shares(|k| {
+    let other_colour = fractions(|k| {
         let (a, b) = (code(whole, k), code(parts, k));
         (0..3).any(|channel| a[channel].abs_diff(b[channel]) > 3)
     });
-    let other_light = shares(|k| {
+    let other_light = fractions(|k| {
         let (a, b) = (whole.radiance[k], parts.radiance[k]);
         (0..3).any(|channel| far(a[channel], b[channel]))
     });

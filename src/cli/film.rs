@@ -41,7 +41,7 @@ pub struct FilmArgs {
     #[arg(long, value_enum, default_value = "png")]
     frames: FrameKind,
     /// Image size, pixels, up to 65535 a side: drawn in parts where it is too large for the device.
-    #[arg(long, default_value = "1280x720", value_parser = super::values::picture_size)]
+    #[arg(long, default_value = "1280x720", value_parser = super::values::image_size)]
     size: [u32; 2],
     /// Samples a pixel: anti-aliasing, soft shadows, motion blur.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=4096))]

@@ -40,7 +40,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pool: PoolFlags,
     /// Image size, pixels, up to 65535 a side: drawn in parts where it is too large for the device.
-    #[arg(long, default_value = "1280x720", value_parser = super::values::picture_size)]
+    #[arg(long, default_value = "1280x720", value_parser = super::values::image_size)]
     size: [u32; 2],
     /// Date and time for the sun, like 2026-06-21T19:40:00+02:00 [default: a sun in the south-west, 42 degrees high].
     #[arg(long)]

@@ -43,9 +43,9 @@ pub fn exposure(text: &str) -> Result<f32, String> {
 
 /// Longest side of what is drawn at once, and of what is drawn in windows, pixels.
 const MAX_SIDE: u32 = 8192;
-const MAX_PICTURE_SIDE: u32 = 65_535;
-/// Most pixels of a picture: 16 bytes of each, 28 with radiance, are held in memory.
-const MAX_PICTURE_PIXELS: u64 = 1 << 29;
+const MAX_IMAGE_SIDE: u32 = 65_535;
+/// Most pixels of an image: 16 bytes of each, 28 with radiance, are held in memory.
+const MAX_IMAGE_PIXELS: u64 = 1 << 29;
 
 /// `WxH`, pixels, of what is drawn at once.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
@@ -53,21 +53,21 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// `WxH`, pixels, of what may be drawn in windows.
-pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
-    let [width, height] = sides(text, MAX_PICTURE_SIDE)?;
-    if u64::from(width) * u64::from(height) > MAX_PICTURE_PIXELS {
-        return Err(format!("give a size of at most {MAX_PICTURE_PIXELS} pixels"));
+pub fn image_size(text: &str) -> Result<[u32; 2], String> {
+    let [width, height] = sides(text, MAX_IMAGE_SIDE)?;
+    if u64::from(width) * u64::from(height) > MAX_IMAGE_PIXELS {
+        return Err(format!("give a size of at most {MAX_IMAGE_PIXELS} pixels"));
     }
     Ok([width, height])
 }
 
-fn sides(text: &str, most: u32) -> Result<[u32; 2], String> {
+fn sides(text: &str, max: u32) -> Result<[u32; 2], String> {
     let sides: Option<Vec<u32>> = text.split('x').map(|side| side.parse().ok()).collect();
     match sides.as_deref() {
-        Some(&[width, height]) if (1..=most).contains(&width) && (1..=most).contains(&height) => {
+        Some(&[width, height]) if (1..=max).contains(&width) && (1..=max).contains(&height) => {
             Ok([width, height])
         }
-        _ => Err(format!("give a size like 1280x720, each side 1 to {most}")),
+        _ => Err(format!("give a size like 1280x720, each side 1 to {max}")),
     }
 }
 

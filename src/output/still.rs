@@ -3,7 +3,7 @@
 use glam::DVec2;
 use half::f16;
 
-use super::windows::{Assembled, picture_windows};
+use super::windows::{Assembled, image_windows};
 use super::{FrameRequest, RenderError, Renderer};
 use crate::gpu::{Band, PassTimes, read_texture};
 use crate::relief::FAR;
@@ -51,7 +51,7 @@ impl Renderer {
         let size = requests.first().map_or([0; 2], |request| request.size);
         let (mut rgba, mut radiance) = (Assembled::new(size), Assembled::new(size));
         let (mut depth, mut ids) = (Assembled::new(size), Assembled::new(size));
-        for window in picture_windows(size, self.max_window_px) {
+        for window in image_windows(size, self.max_window_px) {
             self.show(size, window.drawn);
             let part = self.draw_part(requests, with_radiance)?;
             rgba.put(&window, part.rgba);

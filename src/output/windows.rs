@@ -1,4 +1,4 @@
-//! The windows in which a picture is drawn that is too large to be drawn at once.
+//! The windows in which an image is drawn that is too large to be drawn at once.
 
 use crate::space::ImageWindow;
 
@@ -7,31 +7,31 @@ pub const MAX_WINDOW_PX: u32 = 4096;
 
 /// Windows begin at multiples of so many pixels: the random numbers of `shaders/lib/random.wgsl` repeat so, also on pixels twice as large.
 const STEP_PX: u32 = 128;
-/// Pixels drawn beside what is kept of a window, for passes that look at a pixel's neighbours.
+/// Pixels drawn beside the crop of a window, for passes that look at a pixel's neighbours.
 const MARGIN_PX: u32 = 16;
 
-/// A window, and the part of it that the picture takes.
+/// A window, and the crop of it that the image takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PictureWindow {
+pub struct CroppedWindow {
     /// What is drawn.
     pub drawn: ImageWindow,
-    /// What is kept, within the picture; no two overlap.
-    pub kept: ImageWindow,
+    /// The crop, within the image; no two overlap.
+    pub crop: ImageWindow,
 }
 
-/// A stretch along one side of a picture: first pixel drawn, first kept, number kept.
+/// A stretch along one side of an image: first pixel drawn, first of the crop, length of the crop.
 type Stretch = (i32, u32, u32);
 
-/// Windows of one size that cover a picture of `size` pixels, their sides at most `max_px` where that leaves room for a step.
-pub fn picture_windows(size: [u32; 2], max_px: u32) -> Vec<PictureWindow> {
+/// Windows of one size that cover an image of `size` pixels, their sides at most `max_px` where that leaves room for a step.
+pub fn image_windows(size: [u32; 2], max_px: u32) -> Vec<CroppedWindow> {
     let [(wide, columns), (high, rows)] = size.map(|side| stretches(side, max_px));
-    let window = |&(x, kept_x, width): &Stretch, &(y, kept_y, height): &Stretch| PictureWindow {
+    let window = |&(x, crop_x, width): &Stretch, &(y, crop_y, height): &Stretch| CroppedWindow {
         drawn: ImageWindow {
             first: [x, y],
             size: [wide, high],
         },
-        kept: ImageWindow {
-            first: [kept_x as i32, kept_y as i32],
+        crop: ImageWindow {
+            first: [crop_x as i32, crop_y as i32],
             size: [width, height],
         },
     };
@@ -54,14 +54,14 @@ fn stretches(side: u32, max_px: u32) -> (u32, Vec<Stretch>) {
     (STEP_PX + step + MARGIN_PX, starts.map(stretch).collect())
 }
 
-/// A picture's values that come window by window, rows from the top.
+/// An image's values that come window by window, rows from the top.
 pub struct Assembled<T> {
     size: [u32; 2],
     values: Vec<T>,
 }
 
 impl<T: Copy + Default> Assembled<T> {
-    /// Of a picture of `size` pixels.
+    /// Of an image of `size` pixels.
     pub fn new(size: [u32; 2]) -> Self {
         Self {
             size,
@@ -70,17 +70,17 @@ impl<T: Copy + Default> Assembled<T> {
     }
 
     /// Takes what was drawn of a window.
-    pub fn put(&mut self, window: &PictureWindow, drawn: Vec<T>) {
+    pub fn put(&mut self, window: &CroppedWindow, drawn: Vec<T>) {
         if window.drawn == ImageWindow::whole(self.size) {
             self.values = drawn;
             return;
         }
         let [width, height] = self.size.map(|side| side as usize);
         self.values.resize(width * height, T::default());
-        let PictureWindow { drawn: from, kept } = window;
-        let beside = [0, 1].map(|axis| (kept.first[axis] - from.first[axis]) as usize);
-        let first = kept.first.map(|first| first as usize);
-        let [columns, rows] = kept.size.map(|side| side as usize);
+        let CroppedWindow { drawn: from, crop } = window;
+        let beside = [0, 1].map(|axis| (crop.first[axis] - from.first[axis]) as usize);
+        let first = crop.first.map(|first| first as usize);
+        let [columns, rows] = crop.size.map(|side| side as usize);
         let drawn_rows = drawn.chunks_exact(from.size[0] as usize).skip(beside[1]);
         let rows = self.values.chunks_exact_mut(width).skip(first[1]).take(rows);
         for (row, drawn) in rows.zip(drawn_rows) {
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn windows_cover_a_picture_once_and_are_of_one_size() {
+    fn windows_cover_an_image_once_and_are_of_one_size() {
         for (size, max_px) in [
             ([640, 360], 400),
             ([8193, 4097], 4096),
@@ -107,7 +107,7 @@ mod tests {
             ([300, 5000], 4096),
             ([401, 400], 1),
         ] {
-            let windows = picture_windows(size, max_px);
+            let windows = image_windows(size, max_px);
             let mut times: Assembled<u8> = Assembled::new(size);
             let mut pixels = 0;
             for window in &windows {
@@ -116,15 +116,15 @@ mod tests {
                     assert!(window.drawn.size.iter().all(|&side| side <= max_px), "{window:?}");
                 }
                 for axis in [0, 1] {
-                    let (kept, drawn) = (window.kept, window.drawn);
-                    let before = kept.first[axis] - drawn.first[axis];
-                    let after = drawn.size[axis] as i32 - kept.size[axis] as i32 - before;
+                    let (crop, drawn) = (window.crop, window.drawn);
+                    let before = crop.first[axis] - drawn.first[axis];
+                    let after = drawn.size[axis] as i32 - crop.size[axis] as i32 - before;
                     let is_split = drawn.size[axis] != size[axis];
                     assert!(!is_split || (before >= MARGIN_PX as i32 && after >= MARGIN_PX as i32));
                     assert!(before >= 0 && after >= 0);
                     assert_eq!(drawn.first[axis].rem_euclid(STEP_PX as i32), 0);
                 }
-                pixels += window.kept.size[0] * window.kept.size[1];
+                pixels += window.crop.size[0] * window.crop.size[1];
                 let drawn = window.drawn.size[0] * window.drawn.size[1];
                 times.put(window, vec![1; drawn as usize]);
             }
@@ -137,7 +137,7 @@ mod tests {
     fn a_value_comes_where_it_was_drawn() {
         let size = [500, 3];
         let mut places = Assembled::new(size);
-        for window in picture_windows(size, 300) {
+        for window in image_windows(size, 300) {
             let ImageWindow { first, size } = window.drawn;
             let drawn = (0..size[1] as i32)
                 .flat_map(|row| (0..size[0] as i32).map(move |column| [first[0] + column, first[1] + row]));
