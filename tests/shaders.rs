@@ -139,6 +139,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "search" = search,
             "sun_grid" = sun_grid,
             "sun_axes" = sun_axes,
+            "street_grid" = street_grid,
             "sky_light" = sky_light,
             "wall_light" = wall_light,
             "eye_in_tile" = eye_in_tile,

@@ -9,11 +9,33 @@ const SOIL: vec3<f32> = vec3<f32>(0.335, 0.300, 0.232);
 const TUFT: vec3<f32> = vec3<f32>(0.235, 0.238, 0.135);
 const YARD: vec3<f32> = vec3<f32>(0.330, 0.312, 0.268);
 const PAVED: vec3<f32> = vec3<f32>(0.242, 0.240, 0.233);
+const LAWN: vec3<f32> = vec3<f32>(0.170, 0.187, 0.088);
+const ASPHALT: vec3<f32> = vec3<f32>(0.138, 0.138, 0.139);
+const PAVEMENT: vec3<f32> = vec3<f32>(0.310, 0.302, 0.282);
+const KERB: vec3<f32> = vec3<f32>(0.390, 0.382, 0.360);
+const TRACK: vec3<f32> = vec3<f32>(0.285, 0.262, 0.215);
 // The land beyond the survey, of which nothing is known.
 const OPEN_LAND: vec3<f32> = vec3<f32>(0.285, 0.274, 0.222);
 // Coverages between which open land goes over to yards, and yards to paving.
 const YARDS: vec2<f32> = vec2<f32>(0.05, 0.12);
 const PAVING: vec2<f32> = vec2<f32>(0.26, 0.42);
+// The same of yards between known streets; coverages between which tracks come to be streets, and part of a track that is seen.
+const PAVED_YARDS: vec2<f32> = vec2<f32>(0.48, 0.66);
+const STREETS: vec2<f32> = vec2<f32>(0.18, 0.30);
+const TRACK_PART: f32 = 0.5;
+// Metres from a wall that are paved; width of a kerb and of the gutter before it, metres; how dark the gutter is; width of a pixel from
+// which on neither is told.
+const APRON_M: f32 = 1.0;
+const KERB_M: f32 = 0.15;
+const GUTTER_M: f32 = 0.4;
+const GUTTER: f32 = 0.88;
+const KERB_TO_M: vec2<f32> = vec2<f32>(0.1, 0.3);
+// Width of a lane, how much lighter its wheel tracks are, and width of a pixel from which on they are not told, metres.
+const LANE_M: f32 = 3.25;
+const WORN: f32 = 0.05;
+const WORN_TO_M: vec2<f32> = vec2<f32>(0.2, 0.8);
+// Part of a yard that is lawn.
+const LAWNS: f32 = 0.75;
 // How far blotches move the borders of the three.
 const RAGGED: f32 = 0.12;
 
@@ -73,7 +95,8 @@ fn ground_tile(plan: vec2<f32>, size: f32) -> TilePlace {
 
 // Where the ground is seen from.
 struct GroundView {
-    // Metres from the city's corner; elevation above the vertical datum.
+    // Metres from the eye in plan, and from the city's corner; elevation above the vertical datum.
+    at: vec2<f32>,
     plan: vec2<f32>,
     height: f32,
     // Unit normal; cosine between it and the ray.
@@ -101,11 +124,33 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let place = plan / (vec2<f32>(frame.grid) * frame.tile_m);
     let covered = textureSampleLevel(site_coverage, imagery_sampler, place, 0, 0.0).r + RAGGED * blotch;
     let settled = smoothstep(YARDS.x, YARDS.y, covered);
-    let joints = 1.0 - JOINT * tile.detail.z * near * smoothstep(SLABS.x, SLABS.y, covered);
-    let paved = PAVED * fine.r * broad.r / (mean.r * mean.r) * joints;
-    let dense = select(smoothstep(PAVING.x, PAVING.y, covered), 0.0, has_plan);
-    let albedo = mix(mix(mix(SOIL, TUFT, tufts), YARD, settled) * lightness, paved, dense);
-    let lines = mix(1.0, ON_YARDS, settled) * (1.0 - dense) * smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, at.facing);
+    let street = street_at(at.at);
+    let slabs = 1.0 - JOINT * tile.detail.z * near;
+    let stone = fine.r * broad.r / (mean.r * mean.r);
+    let paving = mix(PAVING, PAVED_YARDS, street.known);
+    let dense = select(smoothstep(paving.x, paving.y, covered), 0.0, has_plan);
+    // Lawns and paths, and what is paved along the walls.
+    let edge = max(0.6 * size, 0.06);
+    let lawn = LAWNS * smoothstep(-0.12, 0.12, blotch + 0.04) * street.known;
+    let apron = street.known * (1.0 - smoothstep(APRON_M - edge, APRON_M + edge, street.from_building + 0.8 * blotch));
+    let yard = mix(mix(YARD, mix(LAWN, TUFT, 0.6 * tufts), lawn) * lightness, 0.9 * PAVEMENT * stone, apron);
+    let open = mix(mix(SOIL, TUFT, tufts) * lightness, yard, settled);
+    let off_street = mix(open, PAVED * stone * mix(1.0, slabs, smoothstep(SLABS.x, SLABS.y, covered)), dense);
+    // Carriageway, gutter, kerb and pavement of a street; a track where few stand.
+    let is_town = smoothstep(STREETS.x, STREETS.y, covered);
+    let told = 1.0 - smoothstep(KERB_TO_M.x, KERB_TO_M.y, size);
+    let gutter = told * (1.0 - smoothstep(GUTTER_M - edge, GUTTER_M + edge, street.from_kerb));
+    let carriageway = smoothstep(-edge, edge, street.from_kerb);
+    // Two tracks a lane.
+    let worn = 1.0 - WORN * cos(4.0 * PI * street.from_kerb / LANE_M) * (1.0 - smoothstep(WORN_TO_M.x, WORN_TO_M.y, size));
+    let kerb = told * (1.0 - smoothstep(KERB_M - edge, KERB_M + edge, abs(street.from_kerb + KERB_M)));
+    let beside = mix(PAVEMENT * slabs, KERB, kerb);
+    let paved = mix(beside, ASPHALT * worn * mix(1.0, GUTTER, gutter), carriageway);
+    let surface = mix(TRACK, paved, is_town) * stone;
+    let pavement = smoothstep(-street.pavement - edge, -street.pavement + edge, street.from_kerb);
+    let on_street = street.known * street.certainty * mix(TRACK_PART * carriageway, pavement, is_town);
+    let albedo = mix(off_street, surface, select(on_street, 0.0, has_plan));
+    let lines = mix(1.0, ON_YARDS, settled) * (1.0 - dense) * (1.0 - on_street) * smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, at.facing);
     let slope = near * tile_slope(tile.detail);
     let normal = normalize(at.normal - vec3<f32>(slope, 0.0));
     return BareGround(mix(albedo, CONTOUR, lines * contours(at.height, at.normal, size)), normal, lightness);

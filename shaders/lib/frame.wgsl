@@ -18,6 +18,8 @@ struct Frame {
     // the sun and across.
     sun_grid: vec4<f32>,
     sun_axes: vec4<f32>,
+    // The grid of the streets: its centre in plan from the eye, the side of a cell of the finest level, levels, 0 = none.
+    street_grid: vec4<f32>,
     // Coefficients of the sky's irradiance (`sky_irradiance`).
     sky_light: array<vec4<f32>, 9>,
     // Irradiance by walls across a street that fill a surface's view; w is 1 where the survey has orthophotos.
@@ -53,7 +55,7 @@ struct Frame {
     max_ground: f32,
     // Parts that a terrain mesh divides a cell's side into.
     mesh_parts: u32,
-    // Layers that are not drawn: HIDES_BUILDINGS, HIDES_FACADES, HIDES_IMAGERY.
+    // Layers that are not drawn: HIDES_BUILDINGS, HIDES_FACADES, HIDES_IMAGERY, HIDES_STREETS.
     hidden: u32,
     // Levels of the sun bounds, 0 = none.
     sun_levels: u32,

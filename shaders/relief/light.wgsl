@@ -186,7 +186,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         if is_ground {
             // Imagery that is none of orthophotos is a plan of streets.
             let has_plan = frame.imagery_side > 0.0 && !has_orthophotos();
-            let ground = GroundView(plan, at.z + frame.eye_elevation, normal, -dot(direction, normal), size);
+            let ground = GroundView(at.xy, plan, at.z + frame.eye_elevation, normal, -dot(direction, normal), size);
             let bare = bare_ground(ground, texel, has_plan);
             // Where the imagery tells no more.
             let enlarged = 1.0 - smoothstep(0.25, 1.0, seen.texels);

@@ -12,6 +12,8 @@ pub enum Hidden {
     Facades,
     /// Orthophotos, and what is drawn on the ground.
     Imagery,
+    /// Streets guessed from the gaps between buildings.
+    Streets,
 }
 
 /// How the city is drawn.
@@ -38,6 +40,7 @@ impl ReliefFlags {
                 buildings: shows(Hidden::Buildings),
                 facades: shows(Hidden::Facades),
                 imagery: shows(Hidden::Imagery),
+                streets: shows(Hidden::Streets),
             },
         }
     }

@@ -94,6 +94,8 @@ impl Renderer {
         self.relief.set_sun(&self.gpu, request.sun);
         self.relief
             .set_sun_bounds(&self.gpu, &self.resident, request.sun, projection.pose.eye);
+        self.relief
+            .set_streets(&self.gpu, &self.resident, projection.pose.eye);
         self.bind_resident();
         Ok(())
     }
@@ -106,6 +108,16 @@ impl Renderer {
         self.resident.load_finest(&self.gpu)?;
         self.bind_resident();
         Ok(())
+    }
+
+    /// What tells whether what frames are drawn of changed: tiles, or what was made of them.
+    pub fn version(&self) -> [u64; 2] {
+        [self.resident.version(), self.relief.streets_state().0]
+    }
+
+    /// Whether tiles, or what is made of them, are still to come.
+    pub fn is_loading(&self) -> bool {
+        self.resident.is_loading() || self.relief.streets_state().1
     }
 
     fn bind_resident(&mut self) {

@@ -2,6 +2,7 @@
 
 use super::search_parameters::SEARCH_BAY_M;
 use super::settings::Layers;
+use super::streets::{STREET_BORDER_M, STREET_CELLS};
 use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
@@ -63,9 +64,12 @@ pub const CONSTANTS: &[Constant] = &[
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
     ("SUN_CELLS", ConstantValue::Int(SUN_CELLS as i32)),
     ("SUN_BORDER", ConstantValue::Float(SUN_BORDER as f32)),
+    ("STREET_CELLS", ConstantValue::Int(STREET_CELLS as i32)),
+    ("STREET_BORDER_M", ConstantValue::Float(STREET_BORDER_M as f32)),
     ("SUN_STEPS", ConstantValue::Float4(SUN_STEPS)),
     ("HIDES_BUILDINGS", ConstantValue::Uint(Layers::HIDDEN_BITS[0])),
     ("HIDES_FACADES", ConstantValue::Uint(Layers::HIDDEN_BITS[1])),
     ("HIDES_IMAGERY", ConstantValue::Uint(Layers::HIDDEN_BITS[2])),
+    ("HIDES_STREETS", ConstantValue::Uint(Layers::HIDDEN_BITS[3])),
     ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
 ];

@@ -4,10 +4,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec4};
 
 use super::GridPosition;
+use super::light_pass::LightPass;
 use super::relief_view::ReliefView;
 use super::search_parameters::SearchParameters;
-use super::sky_tables::SkyTables;
-use super::sun_bounds_texture::SunBoundsTexture;
 use crate::buildings::Pyramid;
 use crate::scene::Resident;
 
@@ -25,6 +24,7 @@ pub struct FrameUniforms {
     pub search: SearchParameters,
     pub sun_grid: Vec4,
     pub sun_axes: Vec4,
+    pub street_grid: Vec4,
     pub sky_light: [Vec4; 9],
     pub wall_light: Vec4,
     pub eye_in_tile: [f32; 2],
@@ -54,12 +54,7 @@ pub struct FrameUniforms {
 
 impl FrameUniforms {
     /// Uniforms of one sample of one view. All differences of large coordinates are taken in f64 here.
-    pub fn new(
-        resident: &Resident,
-        view: &ReliefView<'_>,
-        sky: &SkyTables,
-        sun_bounds: &SunBoundsTexture,
-    ) -> Self {
+    pub fn new(resident: &Resident, view: &ReliefView<'_>, light: &LightPass) -> Self {
         let ReliefView {
             projection,
             sun,
@@ -73,7 +68,8 @@ impl FrameUniforms {
         let eye = GridPosition::new(grid, pose.eye);
         let [forward, across, upward] = projection.window_rays();
         let pixel_angle = 2.0 * projection.tan_half_fov().y / f64::from(projection.size[1]);
-        let ([sun_grid, sun_axes], sun_levels) = sun_bounds.uniforms(pose.eye.truncate());
+        let sky = &light.sky;
+        let ([sun_grid, sun_axes], sun_levels) = light.sun_bounds.uniforms(pose.eye.truncate());
         let vector = |v: DVec3, w: f64| v.as_vec3().extend(w as f32);
         Self {
             clip_from_eye_relative: projection.clip_from_eye_relative(),
@@ -85,6 +81,7 @@ impl FrameUniforms {
             search: settings.search,
             sun_grid,
             sun_axes,
+            street_grid: light.streets.uniform(pose.eye.truncate()),
             sky_light: sky.coefficients(),
             wall_light: vector(sky.wall_light(), f64::from(u8::from(resident.has_orthophotos))),
             eye_in_tile: eye.in_tile.to_array(),

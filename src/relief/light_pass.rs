@@ -5,6 +5,7 @@ use wgpu::TextureSampleType::Uint;
 use super::context::{PassContext, pass_number};
 use super::shaders::LIGHT;
 use super::sky_tables::SkyTables;
+use super::streets::StreetsTexture;
 use super::sun_bounds_texture::SunBoundsTexture;
 use super::targets::{FAR_COLOR, ReliefTargets};
 use crate::gpu::{
@@ -24,14 +25,17 @@ pub struct LightPass {
     pub sky: SkyTables,
     /// Where the sun is seen for sure.
     pub sun_bounds: SunBoundsTexture,
+    /// Where streets run, for bare ground.
+    pub streets: StreetsTexture,
     input_layout: wgpu::BindGroupLayout,
     input: BySize<wgpu::BindGroup>,
 }
 
 impl LightPass {
     /// Group 2: the ground's distance and normal, the buildings' surface and facade, imagery and its sampler; colours and details of
-    /// the materials, their sampler, the palette; the sky; the ambient pass's rays; the sun bounds; the site coverage.
-    pub const INPUT: [wgpu::BindingType; 14] = [
+    /// the materials, their sampler, the palette; the sky; the ambient pass's rays; the sun bounds; the site coverage;
+    /// the streets.
+    pub const INPUT: [wgpu::BindingType; 15] = [
         texture(FLOAT),
         texture(Uint),
         texture(Uint),
@@ -45,6 +49,7 @@ impl LightPass {
         texture_array(FILTERED),
         texture(Uint),
         texture_array(FLOAT),
+        texture_array(FILTERED),
         texture_array(FILTERED),
     ];
 
@@ -74,6 +79,7 @@ impl LightPass {
             materials,
             sky: SkyTables::new(gpu)?,
             sun_bounds: SunBoundsTexture::new(gpu)?,
+            streets: StreetsTexture::new(gpu)?,
             input_layout,
             input: BySize::default(),
         })
@@ -97,6 +103,7 @@ impl LightPass {
             targets.ambient_rays.binding(),
             view(&self.sun_bounds.images.view),
             view(&resident.coverage.image.view),
+            view(&self.streets.images.view),
         ];
         let layout = &self.input_layout;
         self.input

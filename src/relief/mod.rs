@@ -7,6 +7,7 @@
 //! One traversal on the CPU as well: `march` past the buildings, `ground_march` past the terrain; `cast` is what others call.
 
 mod ambient_pass;
+mod beside_frames;
 mod building_mesh;
 mod cast;
 mod city_bindings;
@@ -29,6 +30,7 @@ mod search_pass;
 mod settings;
 mod shaders;
 mod sky_tables;
+mod streets;
 mod sun_bounds;
 mod sun_bounds_texture;
 mod sun_obstacles;
@@ -53,6 +55,7 @@ pub use search_parameters::{SEARCH_BAY_M, SearchParameters};
 pub use search_pass::SearchPass;
 pub use settings::{Layers, ReliefMode, ReliefSettings};
 pub use shaders::ALL as SHADERS;
+pub use streets::{Footprints, Streets};
 pub use sun_bounds::SunBounds;
 pub use sun_obstacles::SunObstacles;
 pub use sun_visibility::sun_seen_from;

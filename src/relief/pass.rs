@@ -97,6 +97,16 @@ impl ReliefPass {
         self.shade.sun_bounds.prepare(gpu, resident, sun, eye.truncate());
     }
 
+    /// Makes the streets round a view's eye, unless they are the last ones.
+    pub fn set_streets(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec3) {
+        self.shade.streets.prepare(gpu, resident, eye.truncate());
+    }
+
+    /// A number that changes when other streets are shown, and whether some are in the making.
+    pub fn streets_state(&self) -> (u64, bool) {
+        (self.shade.streets.version(), self.shade.streets.is_busy())
+    }
+
     /// Irradiance of level ground by the open sky for the last sun set, linear sRGB.
     pub fn sky_on_level_ground(&self) -> DVec3 {
         self.shade.sky.on_level_ground()
@@ -151,10 +161,8 @@ impl ReliefPass {
             band,
             ..
         } = *view;
-        self.uniforms.write(
-            gpu,
-            &FrameUniforms::new(resident, view, &self.shade.sky, &self.shade.sun_bounds),
-        );
+        self.uniforms
+            .write(gpu, &FrameUniforms::new(resident, view, &self.shade));
         let mut context = PassContext {
             gpu,
             encoder,

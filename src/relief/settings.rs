@@ -22,6 +22,8 @@ pub struct Layers {
     pub facades: bool,
     /// Orthophotos, and what is drawn on the ground.
     pub imagery: bool,
+    /// Streets guessed from the gaps between buildings, where the ground is bare.
+    pub streets: bool,
 }
 
 impl Default for Layers {
@@ -30,17 +32,18 @@ impl Default for Layers {
             buildings: true,
             facades: true,
             imagery: true,
+            streets: true,
         }
     }
 }
 
 impl Layers {
     /// Bits of the layers that are hidden; shaders have them as `HIDES_BUILDINGS` and so on.
-    pub const HIDDEN_BITS: [u32; 3] = [1, 2, 4];
+    pub const HIDDEN_BITS: [u32; 4] = [1, 2, 4, 8];
 
     /// The bits of those that are hidden.
     pub fn hidden(self) -> u32 {
-        let shown = [self.buildings, self.facades, self.imagery];
+        let shown = [self.buildings, self.facades, self.imagery, self.streets];
         let bits = shown.into_iter().zip(Self::HIDDEN_BITS);
         bits.filter(|(is_shown, _)| !is_shown).map(|(_, bit)| bit).sum()
     }

@@ -1,10 +1,10 @@
 //! The sun bounds on the device: remade when the sun, the tiles or the eye's neighbourhood change.
 
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3, Vec4};
 
+use super::beside_frames::BesideFrames;
 use super::sun_bounds::{MAX_SUN_LEVELS, SUN_CELLS, SunBounds};
 use super::sun_obstacles::SunObstacles;
 use crate::gpu::{Gpu, GpuError, LayerPool};
@@ -22,7 +22,7 @@ pub struct SunBoundsTexture {
     /// When the key came to be what it is.
     since: Instant,
     /// Bounds in the making, and what of.
-    job: Option<(Key, Receiver<Option<SunBounds>>)>,
+    job: BesideFrames<Key, Option<SunBounds>>,
 }
 
 /// Tiles, direction to the sun and its radius; centre.
@@ -52,7 +52,7 @@ impl SunBoundsTexture {
             bounds: None,
             key: None,
             since: Instant::now(),
-            job: None,
+            job: BesideFrames::default(),
         })
     }
 
@@ -77,21 +77,14 @@ impl SunBoundsTexture {
             let bounds = make(SunObstacles::of(&resident.tiles), *sun);
             return self.take(gpu, key, bounds);
         }
-        let finished = self.job.as_ref().map(|(of, bounds)| (*of, bounds.try_recv()));
-        match finished {
-            Some((_, Err(TryRecvError::Empty))) => return,
-            Some((of, Ok(bounds))) if of.0 == key.0 => self.take(gpu, of, bounds),
-            _ => {}
+        let finished = self.job.finished();
+        if let Some((of, bounds)) = finished.filter(|(of, _)| of.0 == key.0) {
+            self.take(gpu, of, bounds);
         }
-        self.job = None;
-        if self.since.elapsed() >= SETTLED && self.bounds.as_ref().is_none_or(|(of, _)| *of != key) {
-            let (sender, receiver) = channel();
+        let is_made = self.bounds.as_ref().is_some_and(|(of, _)| *of == key);
+        if !self.job.is_busy() && !is_made && self.since.elapsed() >= SETTLED {
             let (obstacles, sun) = (SunObstacles::of(&resident.tiles), *sun);
-            // On a core of its own, so that frames go on. Nobody may be there any more to take them.
-            let work = move || drop(sender.send(make(obstacles, sun)));
-            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-            alone.map_or_else(|_| (), |pool| pool.spawn(work));
-            self.job = Some((key, receiver));
+            self.job.begin(key, move || make(obstacles, sun));
         }
     }
 

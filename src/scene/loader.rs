@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use rayon::prelude::*;
 
 use super::imagery_mips::imagery_mips;
-use crate::buildings::MapTile;
+use crate::buildings::{FootprintMask, MapTile};
 use crate::city::{City, CityError, Layer, TerrainTile};
 use crate::space::TileId;
 use crate::terrain::GroundBounds;
@@ -21,8 +21,8 @@ pub enum Loaded {
     Nothing,
     /// Terrain and its maxima.
     Terrain(Box<(TerrainTile, GroundBounds)>),
-    /// A building map.
-    Map(Box<MapTile>),
+    /// A building map, and where its buildings stand.
+    Map(Box<(MapTile, FootprintMask)>),
     /// Imagery and its mip levels.
     Imagery(Vec<Vec<u8>>),
 }
@@ -134,9 +134,10 @@ fn load(city: &City, (layer, id): TileKey) -> Result<Loaded, CityError> {
             let bounds = GroundBounds::from_heights(&terrain.ground);
             Loaded::Terrain(Box::new((terrain, bounds)))
         }),
-        Layer::Buildings => city
-            .buildings(id)?
-            .map(|map| Loaded::Map(Box::new(MapTile::new(map)))),
+        Layer::Buildings => city.buildings(id)?.map(|map| {
+            let footprints = FootprintMask::of(&map);
+            Loaded::Map(Box::new((MapTile::new(map), footprints)))
+        }),
         Layer::Imagery => city
             .imagery(id)?
             .map(|imagery| Loaded::Imagery(imagery_mips(imagery))),

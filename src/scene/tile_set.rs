@@ -6,7 +6,7 @@ use glam::{DVec2, IVec2};
 
 use super::tile_table::{TileTable, level_and_slot};
 use super::{MAPS, TERRAIN};
-use crate::buildings::{MapTile, Pyramid};
+use crate::buildings::{FootprintMask, MapTile, Pyramid};
 use crate::space::{TileGrid, TileId};
 use crate::terrain::{GroundBounds, HeightTile};
 
@@ -33,6 +33,8 @@ pub struct TileSet {
     grounds: Vec<Option<GroundTile>>,
     /// What stands before the sun, also where no rays are cast.
     roofs: Vec<Option<Arc<Pyramid>>>,
+    /// Where buildings stand.
+    footprints: Vec<Option<Arc<FootprintMask>>>,
     /// The part that buildings cover, by `TILE_SQUARES` along a tile's side.
     coverage: Vec<Option<Vec<u8>>>,
     ground_bounds: Vec<Option<Arc<GroundBounds>>>,
@@ -72,6 +74,7 @@ impl TileSet {
             maps: Vec::new(),
             grounds: Vec::new(),
             roofs: Vec::new(),
+            footprints: Vec::new(),
             coverage: Vec::new(),
             ground_bounds: Vec::new(),
             covers: [const { Vec::new() }; 3],
@@ -96,6 +99,11 @@ impl TileSet {
         put(&mut self.roofs, slot, roofs.map(Arc::new));
     }
 
+    /// Puts where the buildings of a map stand into its slot; none empties it.
+    pub fn put_footprints(&mut self, slot: u32, footprints: Option<FootprintMask>) {
+        put(&mut self.footprints, slot, footprints.map(Arc::new));
+    }
+
     /// Puts bounds of ground into their slot; none empties it.
     pub fn put_ground_bounds(&mut self, slot: u32, bounds: Option<GroundBounds>) {
         put(&mut self.ground_bounds, slot, bounds.map(Arc::new));
@@ -105,6 +113,13 @@ impl TileSet {
     pub fn standing_roofs(&self) -> impl Iterator<Item = (TileId, Arc<Pyramid>)> {
         let roofs = |&(id, slot): &(TileId, u32)| Some((id, self.roofs.get(slot as usize)?.clone()?));
         self.covers[MAPS].iter().filter_map(roofs)
+    }
+
+    /// The tiles that stand in the table: where the buildings of each stand.
+    pub fn standing_footprints(&self) -> impl Iterator<Item = (TileId, Arc<FootprintMask>)> {
+        let footprints =
+            |&(id, slot): &(TileId, u32)| Some((id, self.footprints.get(slot as usize)?.clone()?));
+        self.covers[MAPS].iter().filter_map(footprints)
     }
 
     /// The tiles that stand in the table: what buildings cover of each.

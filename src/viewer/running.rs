@@ -160,7 +160,7 @@ impl Running {
         self.is_in_motion()
             || self.saves_image
             || self.screen.overlay.is_animated()
-            || self.renderer.resident.is_loading()
+            || self.renderer.is_loading()
             || self.pointer.is_due()
             || self.refines()
     }
@@ -225,14 +225,13 @@ impl Running {
         };
         let full_size = self.screen.size();
         self.renderer.detail_size = Some(full_size);
-        let version = self.renderer.resident.version();
+        let version = self.renderer.version();
         self.renderer.prepare(&request(full_size))?;
-        let resident = &self.renderer.resident;
-        if resident.version() != version || resident.is_making_room() {
+        if self.renderer.version() != version || self.renderer.resident.is_making_room() {
             // Tiles came, or are about to: as in motion, until all are there.
             self.pace.moved(now);
         }
-        if self.pace.is_full() && !self.renderer.resident.is_loading() {
+        if self.pace.is_full() && !self.renderer.is_loading() {
             let Renderer { resident, gpu, .. } = &mut self.renderer;
             resident.make_room_ahead(gpu).map_err(RenderError::from)?;
         }

@@ -75,7 +75,7 @@ impl Resident {
         let mut imagery = 0;
         for reading in readings {
             match &reading.loaded {
-                Ok(Loaded::Map(map)) => maps.push(map.as_ref()),
+                Ok(Loaded::Map(map)) => maps.push(&map.0),
                 Ok(Loaded::Terrain(tile)) => terrain.push(&tile.0),
                 Ok(Loaded::Imagery(_)) => imagery += 1,
                 _ => {}

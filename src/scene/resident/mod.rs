@@ -92,6 +92,8 @@ pub struct Resident {
     pub imagery: ImageryPool,
     /// Whether there are orthophotos in it.
     pub has_orthophotos: bool,
+    /// Whether there is ground that neither orthophotos nor a plan of streets show.
+    pub has_bare_ground: bool,
     /// Side of a texel of level 0, metres.
     pub texel_m: f64,
     /// Texels along a tile's side.
@@ -172,6 +174,11 @@ impl Resident {
         };
         let max = u64::from(gpu.device.limits().max_texture_dimension_2d);
         gpu.require("the tile grid", u64::from(grid.columns.max(grid.rows)), max)?;
+        let has_orthophotos = manifest
+            .sources
+            .iter()
+            .any(|source| source.role == Layer::Imagery.name());
+        let shows_all = manifest.tile_count(Layer::Imagery) >= manifest.tile_count(Layer::Terrain);
         let mut resident = Self {
             tiles: TileSet::new(grid),
             tile_table: TableTexture::new(gpu, "tile table", [grid.columns, grid.rows]),
@@ -179,10 +186,8 @@ impl Resident {
             terrain: TerrainPool::new(gpu, options.mesh, manifest.terrain_side as u32)?,
             maps: MapPool::new(gpu)?,
             imagery: ImageryPool::new(gpu, manifest.imagery_side as u32)?,
-            has_orthophotos: manifest
-                .sources
-                .iter()
-                .any(|source| source.role == Layer::Imagery.name()),
+            has_orthophotos,
+            has_bare_ground: manifest.imagery_side == 0 || (has_orthophotos && !shows_all),
             texel_m: manifest.texel_m,
             tile_texels: manifest.tile_texels as u32,
             terrain_step_m: manifest.terrain_step_m,

@@ -42,14 +42,16 @@ impl Resident {
                 }
                 (Some(put), self.terrain.tile_bytes() + indices as u64)
             }
-            Loaded::Map(tile) => {
+            Loaded::Map(map) => {
+                let (tile, footprints) = *map;
                 if is_root {
                     [bounds.min_ground, bounds.max_roof] = tile.map.height_range;
                 }
                 let put = self.maps.put(gpu, &tile)?;
                 self.tiles.put_roofs(put.slot, Some(tile.pyramid.clone()));
+                self.tiles.put_footprints(put.slot, Some(footprints));
                 if self.options.casts_rays {
-                    self.tiles.put_map(put.slot, Some(*tile));
+                    self.tiles.put_map(put.slot, Some(tile));
                 }
                 (Some((put.slot, put.is_new)), put.bytes)
             }
@@ -80,6 +82,7 @@ impl Resident {
                 self.maps.drop(slot);
                 self.tiles.put_map(slot, None);
                 self.tiles.put_roofs(slot, None);
+                self.tiles.put_footprints(slot, None);
             }
             IMAGERY => self.imagery.layers.free(slot),
             _ => {

@@ -12,6 +12,8 @@ pub fn show(ui: &mut egui::Ui, state: &mut SceneState, actions: &mut Vec<Action>
         ui.checkbox(&mut layers.buildings, "buildings");
         ui.checkbox(&mut layers.facades, "facades");
         ui.checkbox(&mut layers.imagery, "imagery");
+        ui.checkbox(&mut layers.streets, "streets")
+            .on_hover_text("guessed from the gaps between buildings, where no imagery shows the ground");
     });
     ui.horizontal(|ui| {
         let ways = [

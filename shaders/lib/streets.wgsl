@@ -1,0 +1,48 @@
+// Streets as guessed from the gaps between buildings. Host: src/relief/streets/mod.rs.
+
+// Clearances, metres, of the widest way through a cell and of that way's middle, how sure it is that it is a street, the cell's own
+// clearance; a layer a level.
+@group(2) @binding(14) var streets: texture_2d_array<f32>;
+
+// Part of its reach at which a street of the coarsest level begins to fade.
+const STREETS_FADE: f32 = 0.8;
+// Clearances of a street's middle, metres, between which a way comes to be a street, and a street goes over to open land.
+const STREET_FROM_M: vec2<f32> = vec2<f32>(2.3, 3.1);
+const STREET_TO_M: vec2<f32> = vec2<f32>(18.0, 24.0);
+// What of a street's half the pavements take at least, and half the carriageway's width at most, metres.
+const PAVEMENT_PART: f32 = 0.42;
+const CARRIAGEWAY_M: f32 = 6.5;
+// Width of a pavement, metres; between which ways from the kerb to the houses they leave room for front gardens.
+const PAVEMENT_M: f32 = 2.2;
+const GARDENS_FROM_M: vec2<f32> = vec2<f32>(4.2, 5.4);
+
+struct StreetPlace {
+    // How far the streets are known here, 0 or 1 and between where the coarsest level ends.
+    known: f32,
+    // How sure it is that a street runs here.
+    certainty: f32,
+    // Metres from the kerb, larger on the carriageway.
+    from_kerb: f32,
+    // Width of the pavement, metres.
+    pavement: f32,
+    // Metres from the nearest building.
+    from_building: f32,
+}
+
+// `at`: metres from the eye in plan.
+fn street_at(at: vec2<f32>) -> StreetPlace {
+    let offset = at - frame.street_grid.xy;
+    let half = 0.5 * f32(STREET_CELLS) * frame.street_grid.z;
+    let away = max(abs(offset.x), abs(offset.y)) + STREET_BORDER_M;
+    let level = max(ceil(log2(away / half)), 0.0);
+    if level >= frame.street_grid.w || (frame.hidden & HIDES_STREETS) != 0u { return StreetPlace(0.0, 0.0, 0.0, PAVEMENT_M, FAR); }
+    let uv = offset / (f32(STREET_CELLS) * frame.street_grid.z * exp2(level)) + 0.5;
+    let cell = textureSampleLevel(streets, imagery_sampler, uv, u32(level), 0.0);
+    let reach = half * exp2(frame.street_grid.w - 1.0);
+    let known = 1.0 - smoothstep(STREETS_FADE * reach, reach, away);
+    let middle = cell.y;
+    let is_street = smoothstep(STREET_FROM_M.x, STREET_FROM_M.y, middle) * (1.0 - smoothstep(STREET_TO_M.x, STREET_TO_M.y, middle));
+    let kerb = max(PAVEMENT_PART * middle, middle - CARRIAGEWAY_M);
+    let pavement = mix(kerb, PAVEMENT_M, smoothstep(GARDENS_FROM_M.x, GARDENS_FROM_M.y, kerb));
+    return StreetPlace(known, is_street * cell.z, cell.x - kerb, pavement, cell.w);
+}

@@ -1,0 +1,83 @@
+//! Which ground of a tile buildings stand on: a bit for every 2 x 2 texels of its map, for those who ask what lies between buildings.
+
+use super::map::{BLOCK, BuildingMap, TEXEL_EMPTY, TEXEL_MAIN, TEXEL_OWN};
+
+/// Texels along a cell's side.
+const CELL_TEXELS: usize = 2;
+/// Half texels of a cell that a building covers at least where it is taken for covered: a texel that an outline may cross counts half.
+const COVERED_HALVES: u32 = 4;
+
+/// Bits row by row from the south, a row in whole words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FootprintMask {
+    side: usize,
+    bits: Vec<u64>,
+}
+
+impl FootprintMask {
+    /// Of a building map.
+    pub fn of(map: &BuildingMap) -> Self {
+        let mut mask = Self::empty((map.side / CELL_TEXELS).max(1));
+        for ([column, row], block) in map.blocks() {
+            let header = map.header(block);
+            let halves = |texel: usize| match (header >> (2 * texel)) & 3 {
+                TEXEL_EMPTY => 0,
+                TEXEL_MAIN => 2,
+                TEXEL_OWN => 1,
+                _ => 0,
+            };
+            let cells = BLOCK / CELL_TEXELS;
+            for cell in 0..cells * cells {
+                let [x, y] = [cell % cells, cell / cells];
+                let first = CELL_TEXELS * (y * BLOCK + x);
+                let texels =
+                    (0..CELL_TEXELS * CELL_TEXELS).map(|k| first + k / CELL_TEXELS * BLOCK + k % CELL_TEXELS);
+                if texels.map(halves).sum::<u32>() >= COVERED_HALVES {
+                    mask.cover(column * cells + x, row * cells + y);
+                }
+            }
+        }
+        mask
+    }
+
+    /// Of cells that are covered by a rule.
+    pub fn from_cells(side: usize, is_covered: impl Fn(usize, usize) -> bool) -> Self {
+        let mut mask = Self::empty(side);
+        for cell in 0..side * side {
+            let [x, y] = [cell % side, cell / side];
+            if is_covered(x, y) {
+                mask.cover(x, y);
+            }
+        }
+        mask
+    }
+
+    fn empty(side: usize) -> Self {
+        Self {
+            side,
+            bits: vec![0; side * side.div_ceil(u64::BITS as usize)],
+        }
+    }
+
+    fn words_across(&self) -> usize {
+        self.side.div_ceil(u64::BITS as usize)
+    }
+
+    fn cover(&mut self, x: usize, y: usize) {
+        let across = self.words_across();
+        if x < self.side && y < self.side {
+            self.bits[y * across + x / 64] |= 1 << (x % 64);
+        }
+    }
+
+    /// Cells along a side.
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// Whether a building stands on a cell; none stands beyond the tile.
+    pub fn is_covered(&self, x: usize, y: usize) -> bool {
+        let word = self.bits.get(y * self.words_across() + x / 64);
+        x < self.side && word.is_some_and(|word| word & (1 << (x % 64)) != 0)
+    }
+}

@@ -1,0 +1,322 @@
+//! Where streets run, guessed from the gaps between buildings, for ground that no survey tells anything of: a street is a gap that a long
+//! straight segment fits through. Of the clearance to the nearest building the openings by such segments are taken (`opening`); the
+//! highest is the clearance of the widest way through a place, and where it falls off on both sides the way's kerbs run, as straight as
+//! the segments. Ways that lead everywhere are open land.
+//!
+//! Levels of doubled cells lie round the eye, on a lattice that stays where it is as the eye moves.
+//! The shader's part is `shaders/lib/streets.wgsl`.
+
+mod clearance;
+mod opening;
+mod texture;
+
+use std::sync::Arc;
+
+use glam::{DVec2, Vec4};
+use rayon::prelude::*;
+
+#[cfg(test)]
+use self::clearance::CLEARANCE_STEP_M;
+use self::clearance::clearances;
+use self::opening::{Opened, Raster};
+use crate::buildings::FootprintMask;
+use crate::space::{TileGrid, TileId};
+
+pub use self::texture::StreetsTexture;
+
+/// Cells along a level's side; shaders have it as `STREET_CELLS`.
+pub const STREET_CELLS: usize = 640;
+/// Levels.
+pub const STREET_LEVELS: usize = 3;
+/// Side of a cell of the finest level, metres.
+const CELL_M: f64 = 2.0;
+/// Metres at a level's border that belong to the next one: segments through them would leave the level. Shaders have it as
+/// `STREET_BORDER_M`.
+pub const STREET_BORDER_M: f64 = SEGMENT_M + CELL_M * (1 << (STREET_LEVELS - 1)) as f64;
+/// The centre lies on a lattice of this width, metres: a multiple of the coarsest level's cells.
+const LATTICE_M: f64 = 64.0;
+/// Length of a segment that a street holds, metres, and the directions that are tried.
+const SEGMENT_M: f64 = 75.0;
+const DIRECTIONS: u32 = 32;
+/// Metres on each side within which the middle of a street is looked for, and over which it is evened out.
+const MIDDLE_M: f64 = 10.0;
+const EVEN_M: f64 = 10.0;
+/// By how much of their widest the ways of all directions are clear on average: between these a street goes over to open land.
+const OPEN: [f64; 2] = [0.40, 0.62];
+/// Metres over which that is evened out.
+const EVEN_OPEN_M: f64 = 8.0;
+
+/// The ground that buildings stand on round the eye, held apart from the tiles so that streets can be guessed beside the frames.
+#[derive(Clone, Debug)]
+pub struct Footprints {
+    /// The tile grid.
+    pub grid: TileGrid,
+    /// By the tiles that stand in the table.
+    pub masks: Vec<(TileId, Arc<FootprintMask>)>,
+}
+
+impl Footprints {
+    /// Whether they are the same tiles' at the same state.
+    fn is_same(&self, other: &Self) -> bool {
+        self.grid == other.grid
+            && self.masks.len() == other.masks.len()
+            && (self.masks.iter().zip(&other.masks))
+                .all(|((a, of_a), (b, of_b))| a == b && Arc::ptr_eq(of_a, of_b))
+    }
+
+    /// Only the tiles that reach into a square.
+    fn within(mut self, centre: DVec2, half: f64) -> Self {
+        let grid = self.grid;
+        self.masks.retain(|(id, _)| {
+            let side = grid.level_tile_m(id.level);
+            let away = (grid.origin(*id) + 0.5 * side - centre).abs();
+            away.max_element() < half + 0.5 * side
+        });
+        self
+    }
+}
+
+/// Streets round a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Streets {
+    centre: DVec2,
+    /// Rows from the south; of each cell the clearance of the widest way through it, that of the way's middle, how sure it is that it is
+    /// a street, the clearance of the place itself. Clearances in steps of [`clearance::CLEARANCE_STEP_M`].
+    levels: Vec<Vec<[u8; 4]>>,
+}
+
+impl Streets {
+    /// The centre for an eye in plan.
+    pub fn centre_of(grid: &TileGrid, eye: DVec2) -> DVec2 {
+        let corner = DVec2::new(grid.west, grid.south);
+        corner + ((eye - corner) / LATTICE_M).round() * LATTICE_M
+    }
+
+    /// Half the side of the coarsest level, metres.
+    fn reach() -> f64 {
+        0.5 * STREET_CELLS as f64 * level_cell_m(STREET_LEVELS - 1)
+    }
+
+    /// Round a centre.
+    pub fn new(footprints: &Footprints, centre: DVec2) -> Self {
+        let level = |level: usize| {
+            let cell_m = level_cell_m(level);
+            let cells = |metres: f64| (metres / cell_m).round().max(1.0);
+            let clear = clearances(&covered(footprints, centre, cell_m), cell_m);
+            let Opened { highest, sum } = clear.opened_by_lines(SEGMENT_M / cell_m, DIRECTIONS);
+            let openness = (highest.iter().zip(&sum))
+                .map(|(&highest, &sum)| street_certainty(highest, sum))
+                .collect();
+            let raster = |values: Vec<u8>| Raster {
+                side: STREET_CELLS,
+                values,
+            };
+            let certain = raster(openness).mean_within(cells(EVEN_OPEN_M) as usize);
+            let ways = raster(highest);
+            let middles = ways
+                .highest_within(cells(MIDDLE_M) as i64)
+                .mean_within(cells(EVEN_M) as usize);
+            let texel = |k: usize| {
+                [
+                    ways.values[k],
+                    middles.values[k],
+                    certain.values[k],
+                    clear.values[k],
+                ]
+            };
+            (0..STREET_CELLS * STREET_CELLS).map(texel).collect()
+        };
+        Self {
+            centre,
+            levels: (0..STREET_LEVELS).into_par_iter().map(level).collect(),
+        }
+    }
+
+    /// The cell that a point lies in, of the finest level that reaches there.
+    pub fn cell_at(&self, point: DVec2) -> Option<[u8; 4]> {
+        let offset = point - self.centre;
+        let half = 0.5 * STREET_CELLS as f64;
+        let reaches =
+            |&level: &usize| offset.abs().max_element() + STREET_BORDER_M < half * level_cell_m(level);
+        let level = (0..self.levels.len()).find(reaches)?;
+        let cell = (offset / level_cell_m(level) + half).floor();
+        self.levels[level]
+            .get(cell.y as usize * STREET_CELLS + cell.x as usize)
+            .copied()
+    }
+
+    /// What shaders take, for an eye in plan: the centre from the eye, the side of a cell, the number of levels.
+    pub fn uniform(&self, eye: DVec2) -> Vec4 {
+        let from_eye = (self.centre - eye).as_vec2();
+        Vec4::new(from_eye.x, from_eye.y, CELL_M as f32, self.levels.len() as f32)
+    }
+
+    /// The cells of the levels, the finest first.
+    pub fn levels(&self) -> &[Vec<[u8; 4]>] {
+        &self.levels
+    }
+}
+
+fn level_cell_m(level: usize) -> f64 {
+    CELL_M * f64::from(1_u32 << level)
+}
+
+/// How sure it is that the widest way through a place is a street's, 0 to 255, by the ways of all directions.
+fn street_certainty(highest: u8, sum: u16) -> u8 {
+    let mean = f64::from(sum) / f64::from(DIRECTIONS);
+    let part = (mean / f64::from(highest.max(1)) - OPEN[0]) / (OPEN[1] - OPEN[0]);
+    (255.0 * (1.0 - part.clamp(0.0, 1.0))) as u8
+}
+
+/// Which cells round a centre buildings cover, 1 where they do.
+fn covered(footprints: &Footprints, centre: DVec2, cell_m: f64) -> Raster {
+    /// Looks a cell's side at a mask that is finer.
+    const MAX_LOOKS: usize = 2;
+    let mut values = vec![0; STREET_CELLS * STREET_CELLS];
+    let corner = centre - 0.5 * STREET_CELLS as f64 * cell_m;
+    for (id, mask) in &footprints.masks {
+        let tile_m = footprints.grid.level_tile_m(id.level);
+        let from = footprints.grid.origin(*id) - corner;
+        let per_m = mask.side() as f64 / tile_m;
+        let looks = ((cell_m * per_m).round() as usize).clamp(1, MAX_LOOKS);
+        // Cells whose centres lie in the tile; of those the mask's columns or rows that they look at.
+        let looked_at = |from: f64| -> (usize, Vec<Vec<usize>>) {
+            let cells = |metres: f64| ((metres / cell_m - 0.5).ceil().max(0.0) as usize).min(STREET_CELLS);
+            let (first, end) = (cells(from), cells(from + tile_m));
+            let look = |cell: usize, k: usize| {
+                let metres = (cell as f64 + (k as f64 + 0.5) / looks as f64) * cell_m - from;
+                ((metres * per_m).max(0.0) as usize).min(mask.side() - 1)
+            };
+            let of_cell = |cell: usize| (0..looks).map(|k| look(cell, k)).collect();
+            (first, (first..end).map(of_cell).collect())
+        };
+        let ((first_x, columns), (first_y, rows)) = (looked_at(from.x), looked_at(from.y));
+        for (y, rows) in (first_y..).zip(&rows) {
+            for (x, columns) in (first_x..).zip(&columns) {
+                let hits = rows
+                    .iter()
+                    .flat_map(|&row| columns.iter().map(move |&column| [column, row]));
+                let count = hits.filter(|&[column, row]| mask.is_covered(column, row)).count();
+                if 2 * count >= looks * looks {
+                    values[y * STREET_CELLS + x] = 1;
+                }
+            }
+        }
+    }
+    Raster {
+        side: STREET_CELLS,
+        values,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const GRID: TileGrid = TileGrid {
+        west: 1000.0,
+        south: 5000.0,
+        tile_m: 512.0,
+        columns: 3,
+        rows: 3,
+    };
+    /// Width of a street between house fronts, and of a block between streets, metres.
+    const STREET_M: f64 = 18.0;
+    const BLOCK_M: f64 = 62.0;
+
+    /// A town of blocks within a rectangle turned by an angle about the grid's middle: houses of 14 m, gaps of 2 m between them, round a
+    /// yard.
+    fn town(angle: f64, has_gap: bool) -> Footprints {
+        let middle = DVec2::new(GRID.west, GRID.south) + 1.5 * GRID.tile_m;
+        let mask = |id: TileId| {
+            FootprintMask::from_cells(256, |x, y| {
+                let at = GRID.origin(id) + 2.0 * DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - middle;
+                let local = DVec2::from_angle(-angle).rotate(at);
+                let period = BLOCK_M + STREET_M;
+                let in_block = DVec2::new(local.x.rem_euclid(period), local.y.rem_euclid(period)) - STREET_M;
+                let is_house = in_block.min_element() >= 0.0
+                    && in_block.x.rem_euclid(16.0) < 14.0
+                    && (!(20.0..BLOCK_M - 20.0).contains(&in_block.y)
+                        || !(14.0..BLOCK_M - 14.0).contains(&in_block.x));
+                let is_gap = has_gap && local.x.abs() < 60.0 && local.y.abs() < 60.0;
+                local.abs().max_element() < 400.0 && is_house && !is_gap
+            })
+        };
+        let masks = GRID.tiles().map(|id| (id, Arc::new(mask(id)))).collect();
+        Footprints { grid: GRID, masks }
+    }
+
+    fn streets(footprints: &Footprints, eye: DVec2) -> Streets {
+        Streets::new(footprints, Streets::centre_of(&GRID, eye))
+    }
+
+    fn middle() -> DVec2 {
+        DVec2::new(GRID.west, GRID.south) + 1.5 * GRID.tile_m
+    }
+
+    #[test]
+    fn streets_are_found_however_they_run_and_yards_and_open_land_are_none() {
+        for angle in [0.0, 0.17, 0.5, 0.7854, 1.3] {
+            let found = streets(&town(angle, false), middle());
+            let at = |x: f64, y: f64| {
+                found
+                    .cell_at(middle() + DVec2::from_angle(angle).rotate(DVec2::new(x, y)))
+                    .unwrap()
+            };
+            let period = BLOCK_M + STREET_M;
+            for k in -3..3 {
+                let along = f64::from(k) * period + STREET_M + 0.5 * BLOCK_M;
+                for [x, y] in [[along, 0.5 * STREET_M + period], [0.5 * STREET_M - period, along]] {
+                    let [way, middle, certainty, _] = at(x, y);
+                    let [way, middle] = [way, middle].map(|tenths| f64::from(tenths) * CLEARANCE_STEP_M);
+                    let half = 0.5 * STREET_M;
+                    assert!((half - 3.5..=half + 1.5).contains(&way), "{angle} {x} {y}: {way}");
+                    assert!((middle - way).abs() <= 2.5, "{angle} {x} {y}: {way} {middle}");
+                    assert!(certainty > 180, "{angle} {x} {y}: {certainty}");
+                }
+                // In a yard no long way leads.
+                let [way, ..] = at(
+                    f64::from(k) * period + STREET_M + 0.5 * BLOCK_M,
+                    period + STREET_M + 0.5 * BLOCK_M,
+                );
+                assert!(way <= 22, "{angle} {k}: {way}");
+            }
+            for [x, y] in [[0.0, 460.0], [470.0, -120.0], [-455.0, 455.0]] {
+                let [_, middle, ..] = at(x, y);
+                assert!(
+                    f64::from(middle) * CLEARANCE_STEP_M > 24.0,
+                    "{angle} {x} {y}: {middle}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_looks_the_same_from_wherever_it_is_seen() {
+        let footprints = town(0.3, false);
+        let [one, other] =
+            [DVec2::ZERO, DVec2::new(200.0, -150.0)].map(|from| streets(&footprints, middle() + from));
+        assert_ne!(one.centre, other.centre);
+        let mut compared = 0;
+        for k in 0..4000 {
+            let from = DVec2::new(f64::from(k % 64), f64::from(k / 64)) * 5.0 - 160.0;
+            let at = middle() + DVec2::new(100.0, -75.0) + from;
+            assert_eq!(one.cell_at(at), other.cell_at(at), "{from}");
+            compared += 1;
+        }
+        assert!(compared > 1000);
+    }
+
+    #[test]
+    fn houses_that_go_change_what_lies_round_them_only() {
+        let [with, without] = [false, true].map(|has_gap| streets(&town(0.0, has_gap), middle()));
+        let cell = |found: &Streets, x: f64, y: f64| found.cell_at(middle() + DVec2::new(x, y)).unwrap();
+        assert_ne!(cell(&with, 5.0, 40.0), cell(&without, 5.0, 40.0));
+        // Farther away than a segment and what a clearance and its means reach.
+        let far = 60.0 + SEGMENT_M + 60.0;
+        for [x, y] in [[far, 9.0], [-far, 49.0], [89.0, far], [9.0, -far]] {
+            assert_eq!(cell(&with, x, y), cell(&without, x, y), "{x} {y}");
+        }
+    }
+}

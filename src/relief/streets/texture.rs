@@ -1,0 +1,121 @@
+//! The guessed streets on the device: remade when the tiles round the eye or its place on the lattice change.
+
+use std::time::{Duration, Instant};
+
+use glam::{DVec2, Vec4};
+use half::f16;
+
+use super::clearance::CLEARANCE_STEP_M;
+use super::{Footprints, STREET_CELLS, STREET_LEVELS, Streets};
+use crate::gpu::{Gpu, GpuError, LayerPool};
+use crate::relief::beside_frames::BesideFrames;
+use crate::scene::Resident;
+
+/// Streets, and what they are of.
+pub struct StreetsTexture {
+    /// A layer a level.
+    pub images: LayerPool,
+    streets: Option<(Key, Streets)>,
+    job: BesideFrames<Key, Streets>,
+    /// When the last ones were begun beside the frames.
+    begun: Option<Instant>,
+    /// Counts how often other ones came to be shown.
+    version: u64,
+}
+
+/// Footprints; centre.
+type Key = (Footprints, DVec2);
+
+/// Where frames do not wait, streets are made anew so often at most.
+const EVERY: Duration = Duration::from_millis(400);
+
+fn is_same((footprints, centre): &Key, other: &Key) -> bool {
+    *centre == other.1 && footprints.is_same(&other.0)
+}
+
+impl StreetsTexture {
+    /// None yet.
+    ///
+    /// # Errors
+    /// When the device cannot hold them.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let format = wgpu::TextureFormat::Rgba16Float;
+        let mut images = LayerPool::new(gpu, "streets", format, [STREET_CELLS as u32; 2], 1)?;
+        images.reserve(gpu, STREET_LEVELS as u32)?;
+        Ok(Self {
+            images,
+            streets: None,
+            job: BesideFrames::default(),
+            begun: None,
+            version: 0,
+        })
+    }
+
+    /// Makes them for an eye, where ground is bare. Where frames do not wait, beside them: until then the last ones serve.
+    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec2) {
+        if !resident.has_bare_ground {
+            return;
+        }
+        let centre = Streets::centre_of(&resident.tiles.grid, eye);
+        let footprints = Footprints {
+            grid: resident.tiles.grid,
+            masks: resident.tiles.standing_footprints().collect(),
+        };
+        let key = (footprints.within(centre, Streets::reach()), centre);
+        let is_made = |made: &Option<(Key, Streets)>| made.as_ref().is_some_and(|(of, _)| is_same(of, &key));
+        if is_made(&self.streets) {
+            return;
+        }
+        if !resident.streams() {
+            let streets = Streets::new(&key.0, centre);
+            return self.take(gpu, key, streets);
+        }
+        if let Some((of, streets)) = self.job.finished() {
+            self.take(gpu, of, streets);
+        }
+        let is_due = self.begun.is_none_or(|begun| begun.elapsed() >= EVERY);
+        if !self.job.is_busy() && is_due && !is_made(&self.streets) {
+            self.begun = Some(Instant::now());
+            let footprints = key.0.clone();
+            self.job.begin(key, move || Streets::new(&footprints, centre));
+        }
+    }
+
+    fn take(&mut self, gpu: &Gpu, of: Key, streets: Streets) {
+        if self.streets.as_ref().is_none_or(|(_, shown)| *shown != streets) {
+            for (layer, cells) in (0..).zip(streets.levels()) {
+                self.images.write(gpu, layer, 0, &texels(cells));
+            }
+            self.version += 1;
+        }
+        self.streets = Some((of, streets));
+    }
+
+    /// What shaders take for an eye in plan; no levels while there are none.
+    pub fn uniform(&self, eye: DVec2) -> Vec4 {
+        self.streets
+            .as_ref()
+            .map_or(Vec4::ZERO, |(_, streets)| streets.uniform(eye))
+    }
+
+    /// A number that changes when other ones are shown.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// True while some are in the making.
+    pub fn is_busy(&self) -> bool {
+        self.job.is_busy()
+    }
+}
+
+/// Clearances in metres, certainty from 0 to 1. Of more digits than the cells have, because kerbs run where they are interpolated.
+fn texels(cells: &[[u8; 4]]) -> Vec<[f16; 4]> {
+    let table = |unit: f64| -> [f16; 256] { std::array::from_fn(|byte| f16::from_f64(byte as f64 * unit)) };
+    let (metres, part) = (table(CLEARANCE_STEP_M), table(1.0 / 255.0));
+    let texel = |[way, middle, certainty, clear]: [u8; 4]| {
+        let [way, middle, clear] = [way, middle, clear].map(|byte| metres[usize::from(byte)]);
+        [way, middle, part[usize::from(certainty)], clear]
+    };
+    cells.iter().copied().map(texel).collect()
+}

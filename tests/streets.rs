@@ -1,0 +1,114 @@
+//! Streets guessed from the gaps between buildings, against those that the sample city's photos show.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use std::sync::Arc;
+
+use gdal::Dataset;
+use glam::DVec2;
+use rilievo::buildings::FootprintMask;
+use rilievo::city::City;
+use rilievo::relief::{Footprints, Streets};
+use support::sample;
+
+/// Pixels of a photo: rows from the north, red, green, blue.
+struct Photo {
+    west: f64,
+    north: f64,
+    pixel: f64,
+    size: [usize; 2],
+    bands: [Vec<u8>; 3],
+}
+
+impl Photo {
+    fn open(name: &str) -> Self {
+        let dataset = Dataset::open(sample().join("files").join(name)).unwrap();
+        let [west, pixel, _, north, _, _] = dataset.geo_transform().unwrap();
+        let bands = [1, 2, 3].map(|band| {
+            let band = dataset.rasterband(band).unwrap().read_band_as::<u8>().unwrap();
+            band.data().to_vec()
+        });
+        let size = dataset.raster_size().into();
+        Self {
+            west,
+            north,
+            pixel,
+            size,
+            bands,
+        }
+    }
+
+    /// Whether the photo has the colour of asphalt there: a middle grey.
+    fn is_asphalt(&self, at: DVec2) -> Option<bool> {
+        let [x, y] = [(at.x - self.west) / self.pixel, (self.north - at.y) / self.pixel];
+        if x < 0.0 || y < 0.0 || x >= self.size[0] as f64 || y >= self.size[1] as f64 {
+            return None;
+        }
+        let place = y as usize * self.size[0] + x as usize;
+        let [red, green, blue] = [0, 1, 2].map(|band| i32::from(self.bands[band][place]));
+        Some((100..=134).contains(&green) && (red - green).abs() <= 6 && (green - blue).abs() <= 6)
+    }
+}
+
+/// The carriageway that is drawn, as `shaders/lib/streets.wgsl` tells it.
+fn is_carriageway([way, middle, certainty, _]: [u8; 4]) -> bool {
+    let [way, middle] = [way, middle].map(|tenths| f64::from(tenths) * 0.1);
+    (2.7..21.0).contains(&middle) && certainty > 128 && way > (0.42 * middle).max(middle - 6.5)
+}
+
+/// Whether buildings cover as much round a place as where streets are drawn in full (`shaders/lib/bare_ground.wgsl`).
+fn is_built_up(footprints: &Footprints, at: DVec2) -> bool {
+    let grid = &footprints.grid;
+    let is_covered = |at: DVec2| {
+        let Some(id) = grid.tile_at(at) else { return false };
+        let Some((_, mask)) = footprints.masks.iter().find(|(of, _)| *of == id) else {
+            return false;
+        };
+        let cell = (at - grid.origin(id)) / grid.tile_m * mask.side() as f64;
+        mask.is_covered(cell.x as usize, cell.y as usize)
+    };
+    let places = (0..400).map(|k| at + 5.0 * (DVec2::new(f64::from(k % 20), f64::from(k / 20)) - 9.5));
+    places.filter(|&at| is_covered(at)).count() > 120
+}
+
+#[test]
+fn guessed_streets_are_where_the_photos_show_some() {
+    let city = City::open(&sample().join("city")).unwrap();
+    let grid = city.manifest().grid;
+    let mask = |id| Some((id, Arc::new(FootprintMask::of(&city.buildings(id).unwrap()?))));
+    let footprints = Footprints {
+        grid,
+        masks: grid.tiles().filter_map(mask).collect(),
+    };
+    let middle = DVec2::new(289_280.0, 4_773_024.0);
+    let streets = Streets::new(&footprints, Streets::centre_of(&grid, middle));
+    let photos = ["photo_0_0.tif", "photo_0_1.tif", "photo_1_0.tif", "photo_1_1.tif"].map(Photo::open);
+    let (mut places, mut guessed, mut right, mut shown) = (0, 0, 0, 0);
+    for k in 0..250 * 250 {
+        let at = middle + 4.0 * (DVec2::new(f64::from(k % 250), f64::from(k / 250)) - 124.7);
+        let Some(cell) = streets.cell_at(at) else { continue };
+        // Within the town, not under a building.
+        if cell[3] < 5 || !is_built_up(&footprints, at) {
+            continue;
+        }
+        let asphalt = photos
+            .iter()
+            .find_map(|photo| photo.is_asphalt(at))
+            .unwrap_or(false);
+        let carriageway = is_carriageway(cell);
+        places += 1;
+        guessed += i32::from(carriageway);
+        shown += i32::from(asphalt);
+        right += i32::from(carriageway && asphalt);
+    }
+    let part = |of: i32, all: i32| f64::from(of) / f64::from(all);
+    let (precision, recall, chance) = (part(right, guessed), part(right, shown), part(shown, places));
+    println!(
+        "{precision:.3} of what is guessed are streets, {recall:.3} of the streets are guessed; {chance:.3} by chance"
+    );
+    assert!(
+        shown > 2000 && precision > 2.0 * chance && recall > 0.5,
+        "{precision} {recall}"
+    );
+}
