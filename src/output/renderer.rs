@@ -40,6 +40,8 @@ pub struct Renderer {
     pub max_window_px: u32,
     /// Pixels of the image that tiles are chosen for; those of a frame unless said otherwise.
     pub detail_size: Option<[u32; 2]>,
+    /// Whether an image is drawn of which some bands are still to come.
+    pub is_amid_image: bool,
     /// What of the resident tiles the relief is bound to.
     bindings: u64,
 }
@@ -65,6 +67,7 @@ impl Renderer {
             window: ImageWindow::whole([0; 2]),
             max_window_px: MAX_WINDOW_PX.min(gpu.device.limits().max_texture_dimension_2d),
             detail_size: None,
+            is_amid_image: false,
             bindings: resident.bindings_version(),
             gpu,
             resident,
@@ -94,8 +97,9 @@ impl Renderer {
         self.relief.set_sun(&self.gpu, request.sun);
         self.relief
             .set_sun_bounds(&self.gpu, &self.resident, request.sun, projection.pose.eye);
+        let eye = projection.pose.eye;
         self.relief
-            .set_streets(&self.gpu, &self.resident, projection.pose.eye);
+            .set_streets(&self.gpu, &self.resident, eye, self.is_amid_image);
         self.bind_resident();
         Ok(())
     }
@@ -110,9 +114,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// What tells whether what frames are drawn of changed: tiles, or what was made of them.
-    pub fn version(&self) -> [u64; 2] {
-        [self.resident.version(), self.relief.streets_state().0]
+    /// A number that changes when other streets are shown.
+    pub fn streets_version(&self) -> u64 {
+        self.relief.streets_state().0
     }
 
     /// Whether tiles, or what is made of them, are still to come.

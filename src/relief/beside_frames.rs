@@ -1,6 +1,8 @@
-//! Work that goes on beside the frames, one at a time, on a core of its own.
+//! Work that goes on beside the frames, one at a time, on a thread that leaves the processor time for them.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use crate::scene::stand_back;
 
 /// What is in the making, and what it is of.
 pub struct BesideFrames<K, T> {
@@ -37,9 +39,11 @@ impl<K, T: Send + 'static> BesideFrames<K, T> {
         let (sender, receiver) = channel();
         // Nobody may be there any more to take it.
         let work = move || drop(sender.send(work()));
-        // What is parallel in it stays on that core, so that frames go on.
-        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-        alone.map_or_else(|_| (), |pool| pool.spawn(work));
+        // What is parallel in it stays on that thread.
+        let alone = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .start_handler(|_| stand_back());
+        alone.build().map_or_else(|_| (), |pool| pool.spawn(work));
         self.job = Some((of, receiver));
     }
 }

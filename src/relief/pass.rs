@@ -97,9 +97,10 @@ impl ReliefPass {
         self.shade.sun_bounds.prepare(gpu, resident, sun, eye.truncate());
     }
 
-    /// Makes the streets round a view's eye, unless they are the last ones.
-    pub fn set_streets(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec3) {
-        self.shade.streets.prepare(gpu, resident, eye.truncate());
+    /// Makes the streets round a view's eye, unless they are the last ones; none that are made beside the frames come amid an image.
+    pub fn set_streets(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec3, is_amid_image: bool) {
+        let streets = &mut self.shade.streets;
+        streets.prepare(gpu, resident, eye.truncate(), is_amid_image);
     }
 
     /// A number that changes when other streets are shown, and whether some are in the making.

@@ -38,7 +38,7 @@ pub struct Reading {
 }
 
 #[cfg(target_os = "linux")]
-/// How much a thread that reads tiles stands back, in the system's steps.
+/// How much a thread stands back, in the system's steps.
 const NICE: i32 = 10;
 /// Most tiles on their way at a time.
 const MAX_IN_FLIGHT: usize = 48;
@@ -109,7 +109,7 @@ impl Loader {
 }
 
 /// Lets frames go before what the calling thread does, where the system knows that of a thread.
-fn stand_back() {
+pub fn stand_back() {
     #[cfg(target_os = "linux")]
     // Where it does not allow it, they share.
     let _ = rustix::process::nice(NICE);

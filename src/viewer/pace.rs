@@ -97,11 +97,21 @@ impl Pace {
 
     /// The camera, the sun or a setting changed.
     pub fn moved(&mut self, now: Instant) {
+        self.begin_anew();
         self.last_motion = Some(now);
+        self.is_bridge_due = false;
+    }
+
+    /// What is drawn became another, of which the image shown tells most.
+    pub fn begin_anew(&mut self) {
         self.samples = 0;
         self.band = Band::WHOLE;
         self.spent = Duration::ZERO;
-        self.is_bridge_due = false;
+    }
+
+    /// Whether bands of a resting image are still to come.
+    pub fn is_amid_image(&self) -> bool {
+        !self.band.is_first()
     }
 
     /// What to draw next; none when the image is as good as it gets.

@@ -225,11 +225,16 @@ impl Running {
         };
         let full_size = self.screen.size();
         self.renderer.detail_size = Some(full_size);
-        let version = self.renderer.version();
+        self.renderer.is_amid_image = self.pace.is_amid_image();
+        let version = self.renderer.resident.version();
+        let streets = self.renderer.streets_version();
         self.renderer.prepare(&request(full_size))?;
-        if self.renderer.version() != version || self.renderer.resident.is_making_room() {
+        let resident = &self.renderer.resident;
+        if resident.version() != version || resident.is_making_room() {
             // Tiles came, or are about to: as in motion, until all are there.
             self.pace.moved(now);
+        } else if self.renderer.streets_version() != streets {
+            self.pace.begin_anew();
         }
         if self.pace.is_full() && !self.renderer.is_loading() {
             let Renderer { resident, gpu, .. } = &mut self.renderer;

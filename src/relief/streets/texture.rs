@@ -51,8 +51,9 @@ impl StreetsTexture {
         })
     }
 
-    /// Makes them for an eye, where ground is bare. Where frames do not wait, beside them: until then the last ones serve.
-    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec2) {
+    /// Makes them for an eye, where ground is bare. Where frames do not wait, beside them: until they are there, and while an image is
+    /// amid its bands, the last ones serve.
+    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec2, is_amid_image: bool) {
         if !resident.has_bare_ground {
             return;
         }
@@ -69,6 +70,9 @@ impl StreetsTexture {
         if !resident.streams() {
             let streets = Streets::new(&key.0, centre);
             return self.take(gpu, key, streets);
+        }
+        if is_amid_image {
+            return;
         }
         if let Some((of, streets)) = self.job.finished() {
             self.take(gpu, of, streets);
