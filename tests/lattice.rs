@@ -5,7 +5,7 @@ mod support;
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rilievo::city::City;
 use rilievo::gpu::Gpu;
 use rilievo::output::Renderer;
@@ -349,5 +349,46 @@ fn holes_in_a_coarse_survey_are_filled_or_left() {
             }
             assert!((column, row) != (11, 31) || height.is_nan());
         }
+    }
+}
+
+/// A building that stands over the terrain's edge is whole in the city, on whichever side, and the ground stays where it was.
+#[test]
+fn a_building_over_the_edge_of_the_terrain_is_not_cut() {
+    let raster = raster(2.0, 100);
+    let [west, north] = CORNER;
+    let [east, south] = [west + 200.0, north - 200.0];
+    for corner in [
+        [west - 5.0, south + 100.0],
+        [east - 3.0, south + 100.0],
+        [west + 100.0, south - 5.0],
+        [west + 100.0, north - 3.0],
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("dtm.tif");
+        raster.write(&path, |column, row| (column + 2 * row) as f32, None);
+        let (out, said) = import(
+            folder.path(),
+            &[&path],
+            &[corner, [west + 60.0, south + 60.0]],
+            &[],
+        );
+        let city = City::open(&out).unwrap();
+        let bounds = city.manifest().grid.bounds();
+        let [x, y] = corner;
+        assert!(
+            bounds.west <= x && bounds.south <= y && bounds.east >= x + 8.0 && bounds.north >= y + 8.0,
+            "{corner:?}: {bounds:?} {said}"
+        );
+        // The middle of a pixel.
+        let at = DVec2::new(west + 61.0, south + 81.0);
+        let id = city.manifest().grid.tile_at(at).unwrap();
+        let ground = city.terrain(id).unwrap().unwrap().ground;
+        let local = at - city.manifest().grid.origin(id);
+        let height = ground.ground(local.x, local.y).unwrap();
+        assert!(
+            (height - (30.0 + 2.0 * 59.0)).abs() < 1e-4,
+            "{corner:?}: {height}"
+        );
     }
 }

@@ -9,7 +9,7 @@ const SOIL: vec3<f32> = vec3<f32>(0.335, 0.300, 0.232);
 const TUFT: vec3<f32> = vec3<f32>(0.235, 0.238, 0.135);
 const YARD: vec3<f32> = vec3<f32>(0.330, 0.312, 0.268);
 const PAVED: vec3<f32> = vec3<f32>(0.242, 0.240, 0.233);
-const LAWN: vec3<f32> = vec3<f32>(0.170, 0.187, 0.088);
+const LAWN: vec3<f32> = vec3<f32>(0.186, 0.196, 0.104);
 const ASPHALT: vec3<f32> = vec3<f32>(0.138, 0.138, 0.139);
 const PAVEMENT: vec3<f32> = vec3<f32>(0.310, 0.302, 0.282);
 const KERB: vec3<f32> = vec3<f32>(0.390, 0.382, 0.360);
@@ -32,8 +32,12 @@ const GUTTER: f32 = 0.88;
 const KERB_TO_M: vec2<f32> = vec2<f32>(0.1, 0.3);
 // Width of a lane, how much lighter its wheel tracks are, and width of a pixel from which on they are not told, metres.
 const LANE_M: f32 = 3.25;
-const WORN: f32 = 0.05;
+const WORN: f32 = 0.035;
 const WORN_TO_M: vec2<f32> = vec2<f32>(0.2, 0.8);
+// How much of the paving's grain asphalt has.
+const ASPHALT_GRAIN: f32 = 0.6;
+// Metres from the houses between which yards go over to open land.
+const YARDS_TO_M: vec2<f32> = vec2<f32>(6.0, 18.0);
 // Part of a yard that is lawn.
 const LAWNS: f32 = 0.75;
 // How far blotches move the borders of the three.
@@ -70,13 +74,13 @@ fn contour(height: f32, interval: f32, slope: f32, pixel_m: f32) -> f32 {
 fn contours(height: f32, normal: vec3<f32>, size: f32) -> f32 {
     let slope = length(normal.xy) / max(normal.z, 0.05);
     return max(
-        max(0.45 * contour(height, CONTOUR_M, slope, size), 0.75 * contour(height, 5.0 * CONTOUR_M, slope, size)),
-        0.75 * contour(height, 25.0 * CONTOUR_M, slope, size),
+        max(0.30 * contour(height, CONTOUR_M, slope, size), 0.50 * contour(height, 5.0 * CONTOUR_M, slope, size)),
+        0.50 * contour(height, 25.0 * CONTOUR_M, slope, size),
     );
 }
 
 // How dark joints of paving are; coverages between which paving comes to be of slabs.
-const JOINT: f32 = 0.40;
+const JOINT: f32 = 0.28;
 const SLABS: vec2<f32> = vec2<f32>(0.38, 0.50);
 
 // What the ground looks like at a place.
@@ -123,8 +127,9 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let tufts = clamp(0.6 * fine.g + 0.4 * broad.g + blotch, 0.0, 1.0);
     let place = plan / (vec2<f32>(frame.grid) * frame.tile_m);
     let covered = textureSampleLevel(site_coverage, imagery_sampler, place, 0, 0.0).r + RAGGED * blotch;
-    let settled = smoothstep(YARDS.x, YARDS.y, covered);
     let street = street_at(at.at);
+    let by_houses = 1.0 - street.known * smoothstep(YARDS_TO_M.x, YARDS_TO_M.y, street.from_building + 8.0 * blotch);
+    let settled = smoothstep(YARDS.x, YARDS.y, covered) * by_houses;
     let slabs = 1.0 - JOINT * tile.detail.z * near;
     let stone = fine.r * broad.r / (mean.r * mean.r);
     let paving = mix(PAVING, PAVED_YARDS, street.known);
@@ -144,9 +149,9 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     // Two tracks a lane.
     let worn = 1.0 - WORN * cos(4.0 * PI * street.from_kerb / LANE_M) * (1.0 - smoothstep(WORN_TO_M.x, WORN_TO_M.y, size));
     let kerb = told * (1.0 - smoothstep(KERB_M - edge, KERB_M + edge, abs(street.from_kerb + KERB_M)));
-    let beside = mix(PAVEMENT * slabs, KERB, kerb);
-    let paved = mix(beside, ASPHALT * worn * mix(1.0, GUTTER, gutter), carriageway);
-    let surface = mix(TRACK, paved, is_town) * stone;
+    let beside = mix(PAVEMENT * slabs, KERB, kerb) * stone;
+    let asphalt = ASPHALT * worn * mix(1.0, GUTTER, gutter) * mix(1.0, stone, ASPHALT_GRAIN);
+    let surface = mix(TRACK * stone, mix(beside, asphalt, carriageway), is_town);
     let pavement = smoothstep(-street.pavement - edge, -street.pavement + edge, street.from_kerb);
     let on_street = street.known * street.certainty * mix(TRACK_PART * carriageway, pavement, is_town);
     let albedo = mix(off_street, surface, select(on_street, 0.0, has_plan));

@@ -91,6 +91,9 @@ pub fn paint(town: &Town, west: f64, north: f64, size: [usize; 2], pixel_m: f64)
         .collect()
 }
 
+/// Width of a gutter, metres.
+const GUTTER_M: f64 = 0.7;
+
 fn grain(p: DVec2) -> f64 {
     lattice((p.x * 4.0) as i64, (p.y * 4.0) as i64, 3) * 2.0 - 1.0
 }
@@ -272,7 +275,24 @@ impl Canvas {
         }
     }
 
+    /// A roof and the gutter round it.
     fn roof(&mut self, building: &SampleBuilding) {
+        self.roofing(building);
+        // Holes turn as the outline does: the roof is to their right.
+        let holes = building.holes.iter().map(|hole| (hole, -GUTTER_M));
+        let rings = std::iter::once((&building.ring, GUTTER_M)).chain(holes);
+        for (ring, gutter_m) in rings.filter(|_| building.ridge.is_some()) {
+            for (k, &a) in ring.iter().enumerate() {
+                let b = ring[(k + 1) % ring.len()];
+                let inward = (b - a).normalize_or_zero().perp() * gutter_m;
+                self.fill(&[vec![a, b, b + inward, a + inward]], |_| {
+                    Some(rgb(150, 144, 134))
+                });
+            }
+        }
+    }
+
+    fn roofing(&mut self, building: &SampleBuilding) {
         let centre = centre(&building.ring);
         let chance = |seed: u64| lattice((centre.x * 10.0) as i64, (centre.y * 10.0) as i64, seed);
         let mut rings = vec![building.ring.clone()];

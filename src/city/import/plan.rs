@@ -27,6 +27,9 @@ pub struct Plan {
 /// Longest run of missing samples that is filled, whatever is asked: a tile's neighbourhood of it fits in memory.
 const MAX_FILL_SAMPLES: usize = 1024;
 
+/// How far the tiles reach beyond the terrain for a footprint that does, metres.
+const MAX_OVERHANG_M: f64 = 250.0;
+
 impl Plan {
     /// Tiles that cover the built-up part of the terrain and its surroundings.
     pub fn new(
@@ -49,7 +52,9 @@ impl Plan {
                 path: options.buildings.clone(),
             });
         }
-        let bounds = built.grown(options.margin_m).intersection(&terrain);
+        // What stands over the terrain's edge is not cut.
+        let whole = built.intersection(&terrain.grown(MAX_OVERHANG_M));
+        let bounds = built.grown(options.margin_m).intersection(&terrain).union(&whole);
         if bounds.is_empty() {
             return Err(CityError::Apart {
                 path: options.buildings.clone(),
