@@ -47,8 +47,15 @@ const RAGGED: f32 = 0.12;
 const FINE: f32 = 0.3125;
 const FINE_TO_M: vec2<f32> = vec2<f32>(0.03, 0.12);
 const BROAD: f32 = 4.0;
-const BROAD_TO_M: vec2<f32> = vec2<f32>(0.10, 0.5);
-const BLOTCHES_TO_M: vec2<f32> = vec2<f32>(0.4, 1.5);
+const BROAD_TO_M: vec2<f32> = vec2<f32>(0.08, 0.3);
+const BLOTCHES_TO_M: vec2<f32> = vec2<f32>(0.2, 0.7);
+const PATCHES: f32 = 45.0;
+const PATCHES_TO_M: vec2<f32> = vec2<f32>(3.0, 9.0);
+// How far patches move the lightness of open land, and its tufts.
+const PATCHED: f32 = 0.30;
+const PATCHED_TUFTS: f32 = 0.9;
+// Tufts of open land among houses.
+const PARK_TUFTS: f32 = 0.35;
 
 const CONTOUR: vec3<f32> = vec3<f32>(0.19, 0.155, 0.105);
 // Metres between contours near by; every fifth is bolder. Width of a line, metres and pixels at least.
@@ -123,10 +130,14 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let fine = mix(mean, tile.colour, near);
     let broad = mix(broad_tile, mean, smoothstep(BROAD_TO_M.x, BROAD_TO_M.y, size));
     let blotch = (broad_tile.b - mean.b) * (1.0 - smoothstep(BLOTCHES_TO_M.x, BLOTCHES_TO_M.y, size));
-    let lightness = fine.a * broad.a / (mean.a * mean.a);
-    let tufts = clamp(0.6 * fine.g + 0.4 * broad.g + blotch, 0.0, 1.0);
+    let aside = vec2<f32>(0.28 * plan.x + 0.96 * plan.y, 0.28 * plan.y - 0.96 * plan.x) / PATCHES;
+    let patch_tile = tile_colour(TilePlace(GROUND_LAYER, aside / ROOF_M, vec2<f32>(size / PATCHES) / ROOF_M));
+    let patches = (patch_tile.b - mean.b) * (1.0 - smoothstep(PATCHES_TO_M.x, PATCHES_TO_M.y, size));
+    let lightness = fine.a * broad.a / (mean.a * mean.a) * (1.0 + PATCHED * patches);
     let place = plan / (vec2<f32>(frame.grid) * frame.tile_m);
     let covered = textureSampleLevel(site_coverage, imagery_sampler, place, 0, 0.0).r + RAGGED * blotch;
+    let park = PARK_TUFTS * smoothstep(YARDS.x, PAVING.x, covered);
+    let tufts = clamp(0.6 * fine.g + 0.4 * broad.g + blotch + PATCHED_TUFTS * patches + park, 0.0, 1.0);
     let street = street_at(at.at);
     let by_houses = 1.0 - street.known * smoothstep(YARDS_TO_M.x, YARDS_TO_M.y, street.from_building + 8.0 * blotch);
     let settled = smoothstep(YARDS.x, YARDS.y, covered) * by_houses;

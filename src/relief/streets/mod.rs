@@ -112,7 +112,8 @@ impl Streets {
                 values,
             };
             let certain = raster(openness).mean_within(cells(EVEN_OPEN_M) as usize);
-            let ways = raster(highest);
+            // Corners that segments leave are rounded.
+            let ways = raster(highest).mean_within(1);
             let middles = ways
                 .highest_within(cells(MIDDLE_M) as i64)
                 .mean_within(cells(EVEN_M) as usize);
