@@ -9,8 +9,13 @@ use gdal::Dataset;
 use glam::DVec2;
 use rilievo::buildings::FootprintMask;
 use rilievo::city::City;
+use rilievo::gpu::Gpu;
+use rilievo::output::Renderer;
+use rilievo::relief::Layers;
 use rilievo::relief::{Footprints, Streets};
-use support::sample;
+use rilievo::scene::TerrainMesh;
+use rilievo::space::Sun;
+use support::{sample, succeed};
 
 /// Pixels of a photo: rows from the north, red, green, blue.
 struct Photo {
@@ -54,7 +59,7 @@ impl Photo {
 /// The carriageway that is drawn, as `shaders/lib/streets.wgsl` tells it.
 fn is_carriageway([way, middle, certainty, _]: [u8; 4]) -> bool {
     let [way, middle] = [way, middle].map(|tenths| f64::from(tenths) * 0.1);
-    (2.7..21.0).contains(&middle) && certainty > 128 && way > (0.42 * middle).max(middle - 6.5)
+    (2.7..21.0).contains(&middle) && certainty > 128 && way > (0.42 * middle).max(middle - 5.2)
 }
 
 /// Whether buildings cover as much round a place as where streets are drawn in full (`shaders/lib/bare_ground.wgsl`).
@@ -111,4 +116,56 @@ fn guessed_streets_are_where_the_photos_show_some() {
         shown > 2000 && precision > 2.0 * chance && recall > 0.5,
         "{precision} {recall}"
     );
+}
+
+/// Where nothing else shows the ground streets are drawn, the same from view to view; hidden they are not; and a plan or photos over all
+/// the ground leave no room for them.
+#[test]
+fn bare_ground_shows_streets_however_one_came_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = sample().join("files");
+    let out = folder.path().join("city");
+    let path = |name: &str| files.join(name).display().to_string();
+    succeed(&[
+        "import",
+        "--terrain",
+        &path("terrain.tif"),
+        "--buildings",
+        &path("buildings.gpkg"),
+        "--height-field",
+        "height_m",
+        "--out",
+        &out.display().to_string(),
+    ]);
+    let city = City::open(&out).unwrap();
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
+    let sun = Sun::from_azimuth_altitude(200.0, 60.0);
+    let size = [96, 64];
+    let mut look = |target: [f64; 2], layers: Layers| {
+        let [x, y] = target;
+        let camera = support::pinhole([x, y - 10.0, 300.0], [x, y, 228.0], 0.6);
+        let mut request = support::request(&camera, &sun, size);
+        request.relief.layers = layers;
+        support::radiance(&mut renderer, &request, 1)
+    };
+    let shown = Layers::default();
+    let street = [289_442.35, 4_773_173.31];
+    let first = look(street, shown);
+    look([288_700.0, 4_772_800.0], shown);
+    assert!(look(street, shown) == first, "it depends on where one was before");
+    let hidden = look(
+        street,
+        Layers {
+            streets: false,
+            ..shown
+        },
+    );
+    let middle =
+        |image: &[[f32; 3]]| image[size[1] as usize / 2 * size[0] as usize + size[0] as usize / 2][1];
+    let (with, without) = (middle(&first), middle(&hidden));
+    // Asphalt, where paving was.
+    assert!(with < 0.75 * without && with > 0.25 * without, "{with} {without}");
+    let photographed = City::open(&sample().join("city")).unwrap();
+    let renderer = Renderer::open(Gpu::open().unwrap(), &photographed, TerrainMesh::Tin).unwrap();
+    assert!(!renderer.resident.has_bare_ground);
 }

@@ -11,7 +11,7 @@ const STREET_FROM_M: vec2<f32> = vec2<f32>(2.3, 3.1);
 const STREET_TO_M: vec2<f32> = vec2<f32>(18.0, 24.0);
 // What of a street's half the pavements take at least, and half the carriageway's width at most, metres.
 const PAVEMENT_PART: f32 = 0.42;
-const CARRIAGEWAY_M: f32 = 6.5;
+const CARRIAGEWAY_M: f32 = 5.2;
 // Width of a pavement, metres; between which ways from the kerb to the houses they leave room for front gardens.
 const PAVEMENT_M: f32 = 2.2;
 const GARDENS_FROM_M: vec2<f32> = vec2<f32>(4.2, 5.4);

@@ -41,6 +41,8 @@ const DIRECTIONS: u32 = 32;
 /// Metres on each side within which the middle of a street is looked for, and over which it is evened out.
 const MIDDLE_M: f64 = 10.0;
 const EVEN_M: f64 = 10.0;
+/// Metres on each side over which corners are rounded.
+const ROUND_M: f64 = 4.0;
 /// By how much of their widest the ways of all directions are clear on average: between these a street goes over to open land.
 const OPEN: [f64; 2] = [0.40, 0.62];
 /// Metres over which that is evened out.
@@ -112,8 +114,7 @@ impl Streets {
                 values,
             };
             let certain = raster(openness).mean_within(cells(EVEN_OPEN_M) as usize);
-            // Corners that segments leave are rounded.
-            let ways = raster(highest).mean_within(1);
+            let ways = rounded(raster(highest), (ROUND_M / cell_m).round() as usize);
             let middles = ways
                 .highest_within(cells(MIDDLE_M) as i64)
                 .mean_within(cells(EVEN_M) as usize);
@@ -160,6 +161,20 @@ impl Streets {
 
 fn level_cell_m(level: usize) -> f64 {
     CELL_M * f64::from(1_u32 << level)
+}
+
+/// Ways without the corners that segments leave, where they are wide: a mean would close a narrow one.
+fn rounded(ways: Raster, radius: usize) -> Raster {
+    /// Clearances between which that begins.
+    const WIDE: [f32; 2] = [40.0, 80.0];
+    let mean = ways.mean_within(radius);
+    let value = |(&way, &mean): (&u8, &u8)| {
+        let [way, mean] = [way, mean].map(f32::from);
+        let part = ((way - WIDE[0]) / (WIDE[1] - WIDE[0])).clamp(0.0, 1.0);
+        (way + part * (mean - way)).round() as u8
+    };
+    let values = ways.values.iter().zip(&mean.values).map(value).collect();
+    Raster { values, ..ways }
 }
 
 /// How sure it is that the widest way through a place is a street's, 0 to 255, by the ways of all directions.
