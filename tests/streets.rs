@@ -3,7 +3,9 @@
 
 mod support;
 
+use std::path::Path;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use gdal::Dataset;
 use glam::DVec2;
@@ -13,7 +15,7 @@ use rilievo::gpu::Gpu;
 use rilievo::output::Renderer;
 use rilievo::relief::Layers;
 use rilievo::relief::{Footprints, Streets};
-use rilievo::scene::TerrainMesh;
+use rilievo::scene::{PoolOptions, TerrainMesh};
 use rilievo::space::Sun;
 use support::{sample, succeed};
 
@@ -56,12 +58,6 @@ impl Photo {
     }
 }
 
-/// The carriageway that is drawn, as `shaders/lib/streets.wgsl` tells it.
-fn is_carriageway([way, middle, certainty, _]: [u8; 4]) -> bool {
-    let [way, middle] = [way, middle].map(|tenths| f64::from(tenths) * 0.1);
-    (2.7..21.0).contains(&middle) && certainty > 128 && way > (0.42 * middle).max(middle - 5.2)
-}
-
 /// Whether buildings cover as much round a place as where streets are drawn in full (`shaders/lib/bare_ground.wgsl`).
 fn is_built_up(footprints: &Footprints, at: DVec2) -> bool {
     let grid = &footprints.grid;
@@ -81,7 +77,12 @@ fn is_built_up(footprints: &Footprints, at: DVec2) -> bool {
 fn guessed_streets_are_where_the_photos_show_some() {
     let city = City::open(&sample().join("city")).unwrap();
     let grid = city.manifest().grid;
-    let mask = |id| Some((id, Arc::new(FootprintMask::of(&city.buildings(id).unwrap()?))));
+    let mask = |id| {
+        Some((
+            id,
+            Arc::new(FootprintMask::from_map(&city.buildings(id).unwrap()?)),
+        ))
+    };
     let footprints = Footprints {
         grid,
         masks: grid.tiles().filter_map(mask).collect(),
@@ -101,7 +102,7 @@ fn guessed_streets_are_where_the_photos_show_some() {
             .iter()
             .find_map(|photo| photo.is_asphalt(at))
             .unwrap_or(false);
-        let carriageway = is_carriageway(cell);
+        let carriageway = streets.has_carriageway(at).unwrap();
         places += 1;
         guessed += i32::from(carriageway);
         shown += i32::from(asphalt);
@@ -118,14 +119,10 @@ fn guessed_streets_are_where_the_photos_show_some() {
     );
 }
 
-/// Where nothing else shows the ground streets are drawn, the same from view to view; hidden they are not; and a plan or photos over all
-/// the ground leave no room for them.
-#[test]
-fn bare_ground_shows_streets_however_one_came_there() {
-    let folder = tempfile::tempdir().unwrap();
-    let files = sample().join("files");
-    let out = folder.path().join("city");
-    let path = |name: &str| files.join(name).display().to_string();
+/// The sample city without its photos.
+fn bare_city(folder: &Path) -> City {
+    let out = folder.join("city");
+    let path = |name: &str| sample().join("files").join(name).display().to_string();
     succeed(&[
         "import",
         "--terrain",
@@ -137,7 +134,15 @@ fn bare_ground_shows_streets_however_one_came_there() {
         "--out",
         &out.display().to_string(),
     ]);
-    let city = City::open(&out).unwrap();
+    City::open(&out).unwrap()
+}
+
+/// Where nothing else shows the ground streets are drawn, the same from view to view; hidden they are not; and a plan or photos over all
+/// the ground leave no room for them.
+#[test]
+fn bare_ground_shows_streets_however_one_came_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = bare_city(folder.path());
     let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
     let sun = Sun::from_azimuth_altitude(200.0, 60.0);
     let size = [96, 64];
@@ -168,4 +173,39 @@ fn bare_ground_shows_streets_however_one_came_there() {
     let photographed = City::open(&sample().join("city")).unwrap();
     let renderer = Renderer::open(Gpu::open().unwrap(), &photographed, TerrainMesh::Tin).unwrap();
     assert!(!renderer.resident.has_bare_ground);
+}
+
+/// Beside frames that do not wait they come to rest, also where one turns back before those of another place are there.
+#[test]
+fn streets_beside_frames_come_to_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let city = bare_city(folder.path());
+    let options = PoolOptions {
+        streams: true,
+        ..PoolOptions::default()
+    };
+    let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, options).unwrap();
+    let sun = Sun::from_azimuth_altitude(200.0, 60.0);
+    let mut look = |x: f64, rests: bool| {
+        let camera = support::pinhole([x, 4_773_163.0, 300.0], [x, 4_773_173.0, 228.0], 0.6);
+        let request = support::request(&camera, &sun, [48, 32]);
+        let begun = Instant::now();
+        loop {
+            renderer.prepare(&request).unwrap();
+            if !rests || !renderer.is_loading() {
+                break;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(60), "it does not rest");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        renderer.streets_version()
+    };
+    let first = look(289_442.0, true);
+    assert!(first > 0);
+    std::thread::sleep(Duration::from_millis(500));
+    look(289_042.0, false);
+    look(289_442.0, true);
+    let second = look(289_042.0, true);
+    assert!(second > first);
+    assert!(look(289_442.0, true) > second);
 }

@@ -11,7 +11,8 @@ const PI: f32 = 3.14159265;
 // the lowest ground. Haze three times as dense as the sky's model has it, so that distance shows.
 const AIR_PER_M: vec3<f32> = vec3<f32>(5.802e-6, 13.558e-6, 33.1e-6) + 6.0 * 4.44e-6;
 const HAZE_HEIGHT_M: f32 = 1200.0;
-// From so far on, metres, it hides more and more, so that land goes over to the sky before the horizon. An estimate.
+// After so much of it, metres, it hides twice as much, and more and more from there on: land goes over to the sky before the horizon. An
+// estimate.
 const HORIZON_M: f32 = 8000.0;
 
 // Radiance of the sky at night, and irradiance: stars and air, and the lamps of towns. Estimates.
@@ -90,6 +91,7 @@ fn air_before(direction: vec3<f32>, is_sky: bool) -> vec3<f32> {
 
 // What is seen of a radiance at t through air of a colour.
 fn through_air(colour: vec3<f32>, air: vec3<f32>, direction: vec3<f32>, t: f32) -> vec3<f32> {
-    let away = t / HORIZON_M;
-    return mix(air, colour, exp(-AIR_PER_M * (1.0 + away * away) * air_depth(direction, t)));
+    let depth = air_depth(direction, t);
+    let away = depth / HORIZON_M;
+    return mix(air, colour, exp(-AIR_PER_M * (1.0 + away * away) * depth));
 }

@@ -6,12 +6,6 @@
 
 // Part of its reach at which a street of the coarsest level begins to fade.
 const STREETS_FADE: f32 = 0.8;
-// Clearances of a street's middle, metres, between which a way comes to be a street, and a street goes over to open land.
-const STREET_FROM_M: vec2<f32> = vec2<f32>(2.3, 3.1);
-const STREET_TO_M: vec2<f32> = vec2<f32>(18.0, 24.0);
-// What of a street's half the pavements take at least, and half the carriageway's width at most, metres.
-const PAVEMENT_PART: f32 = 0.42;
-const CARRIAGEWAY_M: f32 = 5.2;
 // Width of a pavement, metres; between which ways from the kerb to the houses they leave room for front gardens.
 const PAVEMENT_M: f32 = 2.2;
 const GARDENS_FROM_M: vec2<f32> = vec2<f32>(4.2, 5.4);

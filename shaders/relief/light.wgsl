@@ -185,7 +185,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
         let seen = imagery_at(at.xy, size);
         if is_ground {
             // Imagery that is none of orthophotos is a plan of streets.
-            let has_plan = frame.imagery_side > 0.0 && !has_orthophotos();
+            let has_plan = frame.imagery_side > 0.0 && !has_orthophotos() && (frame.hidden & HIDES_IMAGERY) == 0u;
             let ground = GroundView(at.xy, plan, at.z + frame.eye_elevation, normal, -dot(direction, normal), size);
             let bare = bare_ground(ground, texel, has_plan);
             // Where the imagery tells no more.

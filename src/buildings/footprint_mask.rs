@@ -1,11 +1,14 @@
 //! Which ground of a tile buildings stand on: a bit for every 2 x 2 texels of its map, for those who ask what lies between buildings.
 
-use super::map::{BLOCK, BuildingMap, TEXEL_EMPTY, TEXEL_MAIN, TEXEL_OWN};
+use super::cell::{CellKind, Full};
+use super::map::{BLOCK, BuildingMap};
 
 /// Texels along a cell's side.
 const CELL_TEXELS: usize = 2;
-/// Half texels of a cell that a building covers at least where it is taken for covered: a texel that an outline may cross counts half.
-const COVERED_HALVES: u32 = 4;
+/// What a whole texel covers, and what a cell has of that at least where it is taken for covered. A texel that an outline crosses counts
+/// half.
+const WHOLE: u32 = 2 * Full::WHOLE;
+const COVERED: u32 = WHOLE * (CELL_TEXELS * CELL_TEXELS) as u32 / 2;
 
 /// Bits row by row from the south, a row in whole words.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,23 +19,17 @@ pub struct FootprintMask {
 
 impl FootprintMask {
     /// Of a building map.
-    pub fn of(map: &BuildingMap) -> Self {
+    pub fn from_map(map: &BuildingMap) -> Self {
         let mut mask = Self::empty((map.side / CELL_TEXELS).max(1));
         for ([column, row], block) in map.blocks() {
-            let header = map.header(block);
-            let halves = |texel: usize| match (header >> (2 * texel)) & 3 {
-                TEXEL_EMPTY => 0,
-                TEXEL_MAIN => 2,
-                TEXEL_OWN => 1,
-                _ => 0,
-            };
+            let covers = map.codes_in(block).map(covered_part);
             let cells = BLOCK / CELL_TEXELS;
             for cell in 0..cells * cells {
                 let [x, y] = [cell % cells, cell / cells];
                 let first = CELL_TEXELS * (y * BLOCK + x);
                 let texels =
                     (0..CELL_TEXELS * CELL_TEXELS).map(|k| first + k / CELL_TEXELS * BLOCK + k % CELL_TEXELS);
-                if texels.map(halves).sum::<u32>() >= COVERED_HALVES {
+                if texels.map(|texel| covers[texel]).sum::<u32>() >= COVERED {
                     mask.cover(column * cells + x, row * cells + y);
                 }
             }
@@ -79,5 +76,14 @@ impl FootprintMask {
     pub fn is_covered(&self, x: usize, y: usize) -> bool {
         let word = self.bits.get(y * self.words_across() + x / 64);
         x < self.side && word.is_some_and(|word| word & (1 << (x % 64)) != 0)
+    }
+}
+
+/// What a texel of a code covers, of [`WHOLE`].
+fn covered_part(code: u32) -> u32 {
+    match CellKind::from_code(code) {
+        CellKind::Empty => 0,
+        CellKind::Full(full) => 2 * full.coverage,
+        _ => WHOLE / 2,
     }
 }

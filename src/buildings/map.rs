@@ -216,15 +216,6 @@ impl BuildingMap {
         }
     }
 
-    /// What is known of each of a block's texels, two bits a texel: [`TEXEL_EMPTY`], [`TEXEL_MAIN`] or [`TEXEL_OWN`].
-    pub fn header(&self, block: Block) -> u32 {
-        match block {
-            Block::Empty => 0,
-            Block::Uniform(_) => 0x5555_5555,
-            Block::Record(place) => self.word(place),
-        }
-    }
-
     /// The codes of a block's texels.
     pub fn codes_in(&self, block: Block) -> [u32; TEXELS] {
         match block {

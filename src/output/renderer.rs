@@ -12,7 +12,7 @@ use crate::buildings::Building;
 use crate::camera::{AccumulatePass, TemporalPass, ToneMapPass, Vignetting};
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
-use crate::relief::{ReliefPass, ReliefTargets, building_mesh};
+use crate::relief::{ReliefPass, ReliefTargets, StreetsRequest, building_mesh};
 use crate::scene::{PoolOptions, Resident};
 use crate::space::ImageWindow;
 
@@ -97,9 +97,14 @@ impl Renderer {
         self.relief.set_sun(&self.gpu, request.sun);
         self.relief
             .set_sun_bounds(&self.gpu, &self.resident, request.sun, projection.pose.eye);
-        let eye = projection.pose.eye;
-        self.relief
-            .set_streets(&self.gpu, &self.resident, eye, self.is_amid_image);
+        let layers = request.relief.layers;
+        let streets = StreetsRequest {
+            eye: projection.pose.eye.truncate(),
+            is_shown: layers.streets,
+            hides_imagery: !layers.imagery,
+            is_amid_image: self.is_amid_image,
+        };
+        self.relief.set_streets(&self.gpu, &self.resident, streets);
         self.bind_resident();
         Ok(())
     }

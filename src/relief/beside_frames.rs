@@ -43,7 +43,11 @@ impl<K, T: Send + 'static> BesideFrames<K, T> {
         let alone = rayon::ThreadPoolBuilder::new()
             .num_threads(1)
             .start_handler(|_| stand_back());
-        alone.build().map_or_else(|_| (), |pool| pool.spawn(work));
+        match alone.build() {
+            Ok(thread) => thread.spawn(work),
+            // There are no more threads: at once.
+            Err(_) => work(),
+        }
         self.job = Some((of, receiver));
     }
 }

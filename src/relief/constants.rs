@@ -2,7 +2,9 @@
 
 use super::search_parameters::SEARCH_BAY_M;
 use super::settings::Layers;
-use super::streets::{STREET_BORDER_M, STREET_CELLS};
+use super::streets::{
+    CARRIAGEWAY_M, PAVEMENT_PART, STREET_BORDER_M, STREET_CELLS, STREET_FROM_M, STREET_TO_M,
+};
 use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
@@ -64,6 +66,10 @@ pub const CONSTANTS: &[Constant] = &[
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
     ("SUN_CELLS", ConstantValue::Int(SUN_CELLS as i32)),
     ("SUN_BORDER", ConstantValue::Float(SUN_BORDER as f32)),
+    ("STREET_FROM_M", ConstantValue::Float2(STREET_FROM_M)),
+    ("STREET_TO_M", ConstantValue::Float2(STREET_TO_M)),
+    ("PAVEMENT_PART", ConstantValue::Float(PAVEMENT_PART)),
+    ("CARRIAGEWAY_M", ConstantValue::Float(CARRIAGEWAY_M)),
     ("STREET_CELLS", ConstantValue::Int(STREET_CELLS as i32)),
     ("STREET_BORDER_M", ConstantValue::Float(STREET_BORDER_M as f32)),
     ("SUN_STEPS", ConstantValue::Float4(SUN_STEPS)),

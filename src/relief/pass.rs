@@ -12,6 +12,7 @@ use super::polygons_pass::PolygonsPass;
 use super::relief_view::ReliefView;
 use super::search_pass::SearchPass;
 use super::settings::ReliefMode;
+use super::streets::StreetsRequest;
 use super::targets::ReliefTargets;
 use super::{BuildingMesh, CityBindings, FrameUniforms};
 use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
@@ -97,15 +98,14 @@ impl ReliefPass {
         self.shade.sun_bounds.prepare(gpu, resident, sun, eye.truncate());
     }
 
-    /// Makes the streets round a view's eye, unless they are the last ones; none that are made beside the frames come amid an image.
-    pub fn set_streets(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec3, is_amid_image: bool) {
-        let streets = &mut self.shade.streets;
-        streets.prepare(gpu, resident, eye.truncate(), is_amid_image);
+    /// Makes the streets for a frame, unless they are the last ones.
+    pub fn set_streets(&mut self, gpu: &Gpu, resident: &Resident, request: StreetsRequest) {
+        self.shade.streets.prepare(gpu, resident, request);
     }
 
-    /// A number that changes when other streets are shown, and whether some are in the making.
+    /// A number that changes when other streets are shown, and whether some are still to come.
     pub fn streets_state(&self) -> (u64, bool) {
-        (self.shade.streets.version(), self.shade.streets.is_busy())
+        (self.shade.streets.version(), self.shade.streets.is_pending())
     }
 
     /// Irradiance of level ground by the open sky for the last sun set, linear sRGB.

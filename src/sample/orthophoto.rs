@@ -278,13 +278,12 @@ impl Canvas {
     /// A roof and the gutter round it.
     fn roof(&mut self, building: &SampleBuilding) {
         self.roofing(building);
-        // Holes turn as the outline does: the roof is to their right.
-        let holes = building.holes.iter().map(|hole| (hole, -GUTTER_M));
-        let rings = std::iter::once((&building.ring, GUTTER_M)).chain(holes);
-        for (ring, gutter_m) in rings.filter(|_| building.ridge.is_some()) {
+        // Of what has a ridge, which has no holes.
+        if building.ridge.is_some() {
+            let ring = &building.ring;
             for (k, &a) in ring.iter().enumerate() {
                 let b = ring[(k + 1) % ring.len()];
-                let inward = (b - a).normalize_or_zero().perp() * gutter_m;
+                let inward = (b - a).normalize_or_zero().perp() * GUTTER_M;
                 self.fill(&[vec![a, b, b + inward, a + inward]], |_| {
                     Some(rgb(150, 144, 134))
                 });

@@ -135,7 +135,7 @@ fn load(city: &City, (layer, id): TileKey) -> Result<Loaded, CityError> {
             Loaded::Terrain(Box::new((terrain, bounds)))
         }),
         Layer::Buildings => city.buildings(id)?.map(|map| {
-            let footprints = FootprintMask::of(&map);
+            let footprints = FootprintMask::from_map(&map);
             Loaded::Map(Box::new((MapTile::new(map), footprints)))
         }),
         Layer::Imagery => city

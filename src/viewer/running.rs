@@ -45,6 +45,8 @@ pub(super) struct Running {
     pub(super) edited: DatasetStamp,
     pub(super) taken_over: DatasetStamp,
     pub(super) pace: Pace,
+    /// The streets that the image shows (`Renderer::streets_version`).
+    streets: u64,
     pub(super) keys: Vec<KeyCode>,
     pub(super) modifiers: ModifiersState,
     pub(super) pointer: Pointer,
@@ -120,6 +122,7 @@ impl Running {
             interface,
             lenses: lenses(),
             pace: Pace::new(Instant::now()),
+            streets: 0,
             keys: Vec::new(),
             modifiers: ModifiersState::default(),
             pointer: Pointer::default(),
@@ -161,6 +164,7 @@ impl Running {
             || self.saves_image
             || self.screen.overlay.is_animated()
             || self.renderer.is_loading()
+            || self.renderer.streets_version() != self.streets
             || self.pointer.is_due()
             || self.refines()
     }
@@ -227,15 +231,15 @@ impl Running {
         self.renderer.detail_size = Some(full_size);
         self.renderer.is_amid_image = self.pace.is_amid_image();
         let version = self.renderer.resident.version();
-        let streets = self.renderer.streets_version();
         self.renderer.prepare(&request(full_size))?;
         let resident = &self.renderer.resident;
         if resident.version() != version || resident.is_making_room() {
             // Tiles came, or are about to: as in motion, until all are there.
             self.pace.moved(now);
-        } else if self.renderer.streets_version() != streets {
+        } else if self.renderer.streets_version() != self.streets {
             self.pace.begin_anew();
         }
+        self.streets = self.renderer.streets_version();
         if self.pace.is_full() && !self.renderer.is_loading() {
             let Renderer { resident, gpu, .. } = &mut self.renderer;
             resident.make_room_ahead(gpu).map_err(RenderError::from)?;

@@ -27,7 +27,7 @@ pub struct Plan {
 /// Longest run of missing samples that is filled, whatever is asked: a tile's neighbourhood of it fits in memory.
 const MAX_FILL_SAMPLES: usize = 1024;
 
-/// How far the tiles reach beyond the terrain for a footprint that does, metres.
+/// How far the tiles reach beyond the terrain for a footprint that does, metres; one that reaches farther is cut at its edge.
 const MAX_OVERHANG_M: f64 = 250.0;
 
 impl Plan {
@@ -39,12 +39,16 @@ impl Plan {
         report: &FootprintReport,
     ) -> Result<Self, CityError> {
         let terrain = sources.dtm.bounds_in(&sources.crs)?;
-        let (mut built, mut all) = (Bounds::EMPTY, Bounds::EMPTY);
+        let (mut built, mut all, mut whole) = (Bounds::EMPTY, Bounds::EMPTY, Bounds::EMPTY);
+        let around = terrain.grown(MAX_OVERHANG_M);
         for footprint in footprints {
             let bounds = outline_bounds(footprint);
             all = all.union(&bounds);
             if bounds.meets(&terrain) {
                 built = built.union(&bounds);
+                if bounds.intersection(&around) == bounds {
+                    whole = whole.union(&bounds);
+                }
             }
         }
         if report.read == 0 {
@@ -53,7 +57,6 @@ impl Plan {
             });
         }
         // What stands over the terrain's edge is not cut.
-        let whole = built.intersection(&terrain.grown(MAX_OVERHANG_M));
         let bounds = built.grown(options.margin_m).intersection(&terrain).union(&whole);
         if bounds.is_empty() {
             return Err(CityError::Apart {

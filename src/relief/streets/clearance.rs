@@ -4,13 +4,14 @@ use super::opening::Raster;
 
 /// Clearances count in tenths of a metre, to 25.5 m.
 pub const CLEARANCE_STEP_M: f64 = 0.1;
+/// The largest.
+pub const MAX_CLEARANCE_M: f64 = 255.0 * CLEARANCE_STEP_M;
 
 /// From the centre of each cell to the nearest covered one's side, by the squares of the ways along the axes (Meijster, Roerdink &
 /// Hesselink 2000, "A General Algorithm for Computing Distance Transforms in Linear Time", section 2), as far as it counts.
 pub fn clearances(covered: &Raster, cell_m: f64) -> Raster {
     let side = covered.side;
-    let farthest = f64::from(u8::MAX) * CLEARANCE_STEP_M;
-    let reach = (farthest / cell_m).ceil() as u16 + 1;
+    let reach = (MAX_CLEARANCE_M / cell_m).ceil() as u16 + 1;
     // Cells up and down to the nearest.
     let mut away: Vec<u16> = covered
         .values

@@ -15,14 +15,12 @@ use std::sync::Arc;
 use glam::{DVec2, Vec4};
 use rayon::prelude::*;
 
-#[cfg(test)]
-use self::clearance::CLEARANCE_STEP_M;
-use self::clearance::clearances;
+use self::clearance::{CLEARANCE_STEP_M, MAX_CLEARANCE_M, clearances};
 use self::opening::{Opened, Raster};
 use crate::buildings::FootprintMask;
 use crate::space::{TileGrid, TileId};
 
-pub use self::texture::StreetsTexture;
+pub use self::texture::{StreetsRequest, StreetsTexture};
 
 /// Cells along a level's side; shaders have it as `STREET_CELLS`.
 pub const STREET_CELLS: usize = 640;
@@ -30,9 +28,16 @@ pub const STREET_CELLS: usize = 640;
 pub const STREET_LEVELS: usize = 3;
 /// Side of a cell of the finest level, metres.
 const CELL_M: f64 = 2.0;
-/// Metres at a level's border that belong to the next one: segments through them would leave the level. Shaders have it as
+/// Metres at a level's border that belong to the next one: as far as what lies beyond it would change a cell. Shaders have it as
 /// `STREET_BORDER_M`.
-pub const STREET_BORDER_M: f64 = SEGMENT_M + CELL_M * (1 << (STREET_LEVELS - 1)) as f64;
+pub const STREET_BORDER_M: f64 =
+    SEGMENT_M + MAX_CLEARANCE_M + ROUND_M + MIDDLE_M + EVEN_M + CELL_M * (4 << (STREET_LEVELS - 1)) as f64;
+/// Clearances of a street's middle, metres, between which a way comes to be a street, and a street goes over to open land; what of a
+/// street's half the pavements take at least; half the carriageway's width at most, metres. Shaders have them.
+pub const STREET_FROM_M: [f32; 2] = [2.3, 3.1];
+pub const STREET_TO_M: [f32; 2] = [18.0, 24.0];
+pub const PAVEMENT_PART: f32 = 0.42;
+pub const CARRIAGEWAY_M: f32 = 5.2;
 /// The centre lies on a lattice of this width, metres: a multiple of the coarsest level's cells.
 const LATTICE_M: f64 = 64.0;
 /// Length of a segment that a street holds, metres, and the directions that are tried.
@@ -95,7 +100,7 @@ impl Streets {
     }
 
     /// Half the side of the coarsest level, metres.
-    fn reach() -> f64 {
+    fn extent_m() -> f64 {
         0.5 * STREET_CELLS as f64 * level_cell_m(STREET_LEVELS - 1)
     }
 
@@ -145,6 +150,15 @@ impl Streets {
         self.levels[level]
             .get(cell.y as usize * STREET_CELLS + cell.x as usize)
             .copied()
+    }
+
+    /// Whether a carriageway is drawn at a point, as far as its cell tells: by more than half, as `street_at` of the shader has it.
+    pub fn has_carriageway(&self, point: DVec2) -> Option<bool> {
+        let [way, middle, certainty, _] = self.cell_at(point)?;
+        let [way, middle] = [way, middle].map(|steps| (f64::from(steps) * CLEARANCE_STEP_M) as f32);
+        let [from, to] = [STREET_FROM_M, STREET_TO_M].map(|ends| 0.5 * (ends[0] + ends[1]));
+        let kerb = (PAVEMENT_PART * middle).max(middle - CARRIAGEWAY_M);
+        Some((from..to).contains(&middle) && certainty > 127 && way > kerb)
     }
 
     /// What shaders take, for an eye in plan: the centre from the eye, the side of a cell, the number of levels.
@@ -315,13 +329,17 @@ mod tests {
             [DVec2::ZERO, DVec2::new(200.0, -150.0)].map(|from| streets(&footprints, middle() + from));
         assert_ne!(one.centre, other.centre);
         let mut compared = 0;
-        for k in 0..4000 {
-            let from = DVec2::new(f64::from(k % 64), f64::from(k / 64)) * 5.0 - 160.0;
-            let at = middle() + DVec2::new(100.0, -75.0) + from;
-            assert_eq!(one.cell_at(at), other.cell_at(at), "{from}");
-            compared += 1;
+        // As far as the finest level reaches round both.
+        let extent = 0.5 * STREET_CELLS as f64 * CELL_M - STREET_BORDER_M;
+        for k in 0..120 * 120 {
+            let at = middle() + 8.0 * (DVec2::new(f64::from(k % 120), f64::from(k / 120)) - 59.5);
+            let is_near = |streets: &Streets| (at - streets.centre).abs().max_element() < extent;
+            if is_near(&one) && is_near(&other) {
+                assert_eq!(one.cell_at(at), other.cell_at(at), "{at}");
+                compared += 1;
+            }
         }
-        assert!(compared > 1000);
+        assert!(compared > 5000, "{compared}");
     }
 
     #[test]

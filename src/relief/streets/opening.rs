@@ -28,7 +28,7 @@ impl Raster {
                 highest: vec![0; self.values.len()],
                 sum: vec![0; self.values.len()],
             };
-            (opened, Scratch::of(self))
+            (opened, Scratch::from_raster(self))
         };
         let add = |(mut all, mut scratch): (Opened, Scratch), direction: u32| {
             let angle = std::f64::consts::PI * f64::from(direction) / f64::from(directions);
@@ -91,7 +91,7 @@ impl Raster {
 
     /// The highest within `radius` cells along both axes.
     pub fn highest_within(&self, radius: i64) -> Self {
-        let mut scratch = Scratch::of(self);
+        let mut scratch = Scratch::from_raster(self);
         for way in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
             scratch.along(radius + 1, way, u8::max);
         }
@@ -140,7 +140,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    fn of(raster: &Raster) -> Self {
+    fn from_raster(raster: &Raster) -> Self {
         Self {
             now: raster.clone(),
             next: raster.clone(),
@@ -170,7 +170,7 @@ mod tests {
     }
 
     fn opened_by_line(raster: &Raster, line: (f64, f64)) -> Raster {
-        let mut scratch = Scratch::of(raster);
+        let mut scratch = Scratch::from_raster(raster);
         raster.opened_by_line(line, &mut scratch);
         scratch.now
     }

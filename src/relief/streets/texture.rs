@@ -16,18 +16,42 @@ pub struct StreetsTexture {
     /// A layer a level.
     pub images: LayerPool,
     streets: Option<(Key, Streets)>,
-    job: BesideFrames<Key, Streets>,
+    job: BesideFrames<Key, Made>,
     /// When the last ones were begun beside the frames.
     begun: Option<Instant>,
+    /// What was asked for last: the tiles, the centre; whether it is not there yet.
+    place: Option<(u64, DVec2)>,
+    is_pending: bool,
     /// Counts how often other ones came to be shown.
     version: u64,
 }
 
+/// What a frame wants of them.
+#[derive(Clone, Copy, Debug)]
+pub struct StreetsRequest {
+    /// The eye in plan.
+    pub eye: DVec2,
+    /// Whether streets are shown.
+    pub is_shown: bool,
+    /// Whether imagery is not.
+    pub hides_imagery: bool,
+    /// Whether an image is drawn of which some bands are still to come.
+    pub is_amid_image: bool,
+}
+
 /// Footprints; centre.
 type Key = (Footprints, DVec2);
+/// Streets, and their levels as texels.
+type Made = (Streets, Vec<Vec<[f16; 4]>>);
 
 /// Where frames do not wait, streets are made anew so often at most.
 const EVERY: Duration = Duration::from_millis(400);
+
+fn make((footprints, centre): &Key) -> Made {
+    let streets = Streets::new(footprints, *centre);
+    let levels = streets.levels().iter().map(|cells| texels(cells)).collect();
+    (streets, levels)
+}
 
 fn is_same((footprints, centre): &Key, other: &Key) -> bool {
     *centre == other.1 && footprints.is_same(&other.0)
@@ -47,51 +71,60 @@ impl StreetsTexture {
             streets: None,
             job: BesideFrames::default(),
             begun: None,
+            place: None,
+            is_pending: false,
             version: 0,
         })
     }
 
-    /// Makes them for an eye, where ground is bare. Where frames do not wait, beside them: until they are there, and while an image is
+    /// Makes them for a frame, where ground is bare. Where frames do not wait, beside them: until they are there, and while an image is
     /// amid its bands, the last ones serve.
-    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, eye: DVec2, is_amid_image: bool) {
-        if !resident.has_bare_ground {
+    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, request: StreetsRequest) {
+        if !request.is_shown || !(resident.has_bare_ground || request.hides_imagery) {
+            (self.is_pending, self.place) = (false, None);
             return;
         }
-        let centre = Streets::centre_of(&resident.tiles.grid, eye);
+        let centre = Streets::centre_of(&resident.tiles.grid, request.eye);
+        let place = (resident.version(), centre);
+        if self.place == Some(place) && !self.is_pending {
+            return;
+        }
+        self.place = Some(place);
         let footprints = Footprints {
             grid: resident.tiles.grid,
             masks: resident.tiles.standing_footprints().collect(),
         };
-        let key = (footprints.within(centre, Streets::reach()), centre);
+        let key = (footprints.within(centre, Streets::extent_m()), centre);
         let is_made = |made: &Option<(Key, Streets)>| made.as_ref().is_some_and(|(of, _)| is_same(of, &key));
-        if is_made(&self.streets) {
+        self.is_pending = !is_made(&self.streets);
+        if !self.is_pending {
             return;
         }
         if !resident.streams() {
-            let streets = Streets::new(&key.0, centre);
-            return self.take(gpu, key, streets);
+            let made = make(&key);
+            self.is_pending = false;
+            return self.take(gpu, key, made);
         }
-        if is_amid_image {
+        if request.is_amid_image {
             return;
         }
-        if let Some((of, streets)) = self.job.finished() {
-            self.take(gpu, of, streets);
+        if let Some((of, made)) = self.job.finished() {
+            self.is_pending = !is_same(&of, &key);
+            self.take(gpu, of, made);
         }
         let is_due = self.begun.is_none_or(|begun| begun.elapsed() >= EVERY);
-        if !self.job.is_busy() && is_due && !is_made(&self.streets) {
+        if self.is_pending && !self.job.is_busy() && is_due {
             self.begun = Some(Instant::now());
-            let footprints = key.0.clone();
-            self.job.begin(key, move || Streets::new(&footprints, centre));
+            let of = key.clone();
+            self.job.begin(key, move || make(&of));
         }
     }
 
-    fn take(&mut self, gpu: &Gpu, of: Key, streets: Streets) {
-        if self.streets.as_ref().is_none_or(|(_, shown)| *shown != streets) {
-            for (layer, cells) in (0..).zip(streets.levels()) {
-                self.images.write(gpu, layer, 0, &texels(cells));
-            }
-            self.version += 1;
+    fn take(&mut self, gpu: &Gpu, of: Key, (streets, levels): Made) {
+        for (layer, texels) in (0..).zip(&levels) {
+            self.images.write(gpu, layer, 0, texels);
         }
+        self.version += 1;
         self.streets = Some((of, streets));
     }
 
@@ -107,9 +140,9 @@ impl StreetsTexture {
         self.version
     }
 
-    /// True while some are in the making.
-    pub fn is_busy(&self) -> bool {
-        self.job.is_busy()
+    /// True while the ones that the last frame asked for are not there yet.
+    pub fn is_pending(&self) -> bool {
+        self.is_pending
     }
 }
 

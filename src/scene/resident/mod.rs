@@ -92,7 +92,7 @@ pub struct Resident {
     pub imagery: ImageryPool,
     /// Whether there are orthophotos in it.
     pub has_orthophotos: bool,
-    /// Whether there is ground that neither orthophotos nor a plan of streets show.
+    /// Whether there are tiles without orthophotos, and no plan of streets.
     pub has_bare_ground: bool,
     /// Side of a texel of level 0, metres.
     pub texel_m: f64,
