@@ -163,7 +163,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "mesh_parts" = mesh_parts,
             "hidden" = hidden,
             "sun_levels" = sun_levels,
-            "padding_2" = padding_2,
+            "street_layer" = street_layer,
             "padding_3" = padding_3,
         ]
     );

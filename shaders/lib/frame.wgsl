@@ -59,7 +59,8 @@ struct Frame {
     hidden: u32,
     // Levels of the sun bounds, 0 = none.
     sun_levels: u32,
-    padding_2: u32,
+    // The layer of the finest level of the streets.
+    street_layer: u32,
     padding_3: u32,
 }
 

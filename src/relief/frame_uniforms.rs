@@ -48,7 +48,7 @@ pub struct FrameUniforms {
     pub mesh_parts: u32,
     pub hidden: u32,
     pub sun_levels: u32,
-    pub padding_2: u32,
+    pub street_layer: u32,
     pub padding_3: u32,
 }
 
@@ -70,6 +70,7 @@ impl FrameUniforms {
         let pixel_angle = 2.0 * projection.tan_half_fov().y / f64::from(projection.size[1]);
         let sky = &light.sky;
         let ([sun_grid, sun_axes], sun_levels) = light.sun_bounds.uniforms(pose.eye.truncate());
+        let (street_grid, street_layer) = light.streets.uniforms(pose.eye.truncate());
         let vector = |v: DVec3, w: f64| v.as_vec3().extend(w as f32);
         Self {
             clip_from_eye_relative: projection.clip_from_eye_relative(),
@@ -81,7 +82,7 @@ impl FrameUniforms {
             search: settings.search,
             sun_grid,
             sun_axes,
-            street_grid: light.streets.uniform(pose.eye.truncate()),
+            street_grid,
             sky_light: sky.coefficients(),
             wall_light: vector(sky.wall_light(), f64::from(u8::from(resident.has_orthophotos))),
             eye_in_tile: eye.in_tile.to_array(),
@@ -105,7 +106,7 @@ impl FrameUniforms {
             mesh_parts: resident.mesh_parts,
             hidden: settings.layers.hidden(),
             sun_levels,
-            padding_2: 0,
+            street_layer,
             padding_3: 0,
         }
     }

@@ -53,7 +53,7 @@ impl LightPass {
         texture_array(FILTERED),
     ];
 
-    /// For the layouts of groups 0 and 1.
+    /// For the layouts of groups 0 and 1; `streams`: frames do not wait for tiles.
     ///
     /// # Errors
     /// When the device cannot hold its tables.
@@ -61,6 +61,7 @@ impl LightPass {
         gpu: &Gpu,
         [frame, city]: [&wgpu::BindGroupLayout; 2],
         materials: MaterialTextures,
+        streams: bool,
     ) -> Result<Self, GpuError> {
         let module = shader_module(gpu, &LIGHT);
         let input_layout = gpu.layout("shade input", &Self::INPUT);
@@ -79,7 +80,7 @@ impl LightPass {
             materials,
             sky: SkyTables::new(gpu)?,
             sun_bounds: SunBoundsTexture::new(gpu)?,
-            streets: StreetsTexture::new(gpu)?,
+            streets: StreetsTexture::new(gpu, streams)?,
             input_layout,
             input: BySize::default(),
         })

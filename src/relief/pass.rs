@@ -71,7 +71,7 @@ impl ReliefPass {
             exact,
             search,
             ambient,
-            shade: LightPass::new(gpu, layouts, materials)?,
+            shade: LightPass::new(gpu, layouts, materials, resident.streams())?,
             polygons: None,
             targets: BySize::default(),
             frame_layout,

@@ -13,8 +13,12 @@ use crate::scene::Resident;
 
 /// Streets, and what they are of.
 pub struct StreetsTexture {
-    /// A layer a level.
+    /// A layer a level, twice where frames do not wait: those that are shown, and those that are written beside them.
     pub images: LayerPool,
+    /// The first layer of those that are shown.
+    first_layer: u32,
+    /// What is written a level at a time, and how many levels of it are.
+    writing: Option<(Key, Made, u32)>,
     streets: Option<(Key, Streets)>,
     job: BesideFrames<Key, Made>,
     /// When the last ones were begun beside the frames.
@@ -44,6 +48,8 @@ type Key = (Footprints, DVec2);
 /// Streets, and their levels as texels.
 type Made = (Streets, Vec<Vec<[f16; 4]>>);
 
+/// Layers of one place's streets.
+const LAYERS: u32 = STREET_LEVELS as u32;
 /// Where frames do not wait, streets are made anew so often at most.
 const EVERY: Duration = Duration::from_millis(400);
 
@@ -58,16 +64,18 @@ fn is_same((footprints, centre): &Key, other: &Key) -> bool {
 }
 
 impl StreetsTexture {
-    /// None yet.
+    /// None yet. `streams`: frames do not wait.
     ///
     /// # Errors
     /// When the device cannot hold them.
-    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, streams: bool) -> Result<Self, GpuError> {
         let format = wgpu::TextureFormat::Rgba16Float;
         let mut images = LayerPool::new(gpu, "streets", format, [STREET_CELLS as u32; 2], 1)?;
-        images.reserve(gpu, STREET_LEVELS as u32)?;
+        images.reserve(gpu, LAYERS * (1 + u32::from(streams)))?;
         Ok(Self {
             images,
+            first_layer: 0,
+            writing: None,
             streets: None,
             job: BesideFrames::default(),
             begun: None,
@@ -108,12 +116,14 @@ impl StreetsTexture {
         if request.is_amid_image {
             return;
         }
-        if let Some((of, made)) = self.job.finished() {
+        if self.writing.is_none() {
+            self.writing = self.job.finished().map(|(of, made)| (of, made, 0));
+        }
+        if let Some(of) = self.write_a_level(gpu) {
             self.is_pending = !is_same(&of, &key);
-            self.take(gpu, of, made);
         }
         let is_due = self.begun.is_none_or(|begun| begun.elapsed() >= EVERY);
-        if self.is_pending && !self.job.is_busy() && is_due {
+        if self.is_pending && self.writing.is_none() && !self.job.is_busy() && is_due {
             self.begun = Some(Instant::now());
             let of = key.clone();
             self.job.begin(key, move || make(&of));
@@ -121,18 +131,37 @@ impl StreetsTexture {
     }
 
     fn take(&mut self, gpu: &Gpu, of: Key, (streets, levels): Made) {
-        for (layer, texels) in (0..).zip(&levels) {
-            self.images.write(gpu, layer, 0, texels);
+        for (level, texels) in (0..).zip(&levels) {
+            self.images.write(gpu, self.first_layer + level, 0, texels);
         }
         self.version += 1;
         self.streets = Some((of, streets));
     }
 
-    /// What shaders take for an eye in plan; no levels while there are none.
-    pub fn uniform(&self, eye: DVec2) -> Vec4 {
-        self.streets
+    /// Writes a level of what was made beside the frames: all at once would be felt. What it is of when that was the last, and it is shown.
+    fn write_a_level(&mut self, gpu: &Gpu) -> Option<Key> {
+        let (of, (streets, levels), written) = self.writing.take()?;
+        let beside = LAYERS - self.first_layer;
+        if let Some(texels) = levels.get(written as usize) {
+            self.images.write(gpu, beside + written, 0, texels);
+        }
+        if written + 1 < LAYERS {
+            self.writing = Some((of, (streets, levels), written + 1));
+            return None;
+        }
+        self.first_layer = beside;
+        self.version += 1;
+        self.streets = Some((of.clone(), streets));
+        Some(of)
+    }
+
+    /// What shaders take for an eye in plan: the grid, no levels while there are none, and the first layer.
+    pub fn uniforms(&self, eye: DVec2) -> (Vec4, u32) {
+        let grid = self
+            .streets
             .as_ref()
-            .map_or(Vec4::ZERO, |(_, streets)| streets.uniform(eye))
+            .map_or(Vec4::ZERO, |(_, streets)| streets.uniform(eye));
+        (grid, self.first_layer)
     }
 
     /// A number that changes when other ones are shown.
