@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use glam::DVec3;
-use rilievo::buildings::{BLOCK, BuildingMap, CellKind};
+use rilievo::buildings::{BLOCK, BuildingMap, CellKind, FootprintMask};
 use rilievo::city::{City, Layer};
 use rilievo::gpu::Gpu;
 use rilievo::output::{Renderer, Still};
@@ -374,4 +374,37 @@ fn a_damaged_tile_is_shown_coarser() {
     };
     fs::write(Layer::Buildings.tile_path(&path, root), b"not a tile").unwrap();
     assert!(Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).is_err());
+}
+
+/// A footprint mask covers as much ground on every level as the roofs that the finest shows.
+#[test]
+fn masks_cover_what_buildings_cover() {
+    let city = sample_city();
+    let grid = city.manifest().grid;
+    let mut areas = Vec::new();
+    let mut roofs = 0.0;
+    for level in 0..3 {
+        let side = 1_u32 << level;
+        let mut area = 0.0;
+        for (x, y) in
+            (0..grid.columns.div_ceil(side)).flat_map(|x| (0..grid.rows.div_ceil(side)).map(move |y| (x, y)))
+        {
+            let Some(map) = city.buildings(TileId { level, x, y }).unwrap() else {
+                continue;
+            };
+            let mask = FootprintMask::from_map(&map);
+            let cell_m = grid.level_tile_m(level) / mask.side() as f64;
+            let cells = (0..mask.side().pow(2)).filter(|k| mask.is_covered(k % mask.side(), k / mask.side()));
+            area += cells.count() as f64 * cell_m * cell_m;
+            if level == 0 {
+                roofs += shown(&map).0;
+            }
+        }
+        areas.push(area);
+    }
+    println!("roofs {roofs:.0} m2, masks {areas:.0?}");
+    assert!(
+        areas.iter().all(|area| (area / roofs - 1.0).abs() < 0.08),
+        "{roofs} {areas:?}"
+    );
 }

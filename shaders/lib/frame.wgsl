@@ -55,7 +55,7 @@ struct Frame {
     max_ground: f32,
     // Parts that a terrain mesh divides a cell's side into.
     mesh_parts: u32,
-    // Layers that are not drawn: HIDES_BUILDINGS, HIDES_FACADES, HIDES_IMAGERY, HIDES_STREETS.
+    // Layers that are not drawn: HIDES_BUILDINGS, HIDES_FACADES, HIDES_IMAGERY.
     hidden: u32,
     // Levels of the sun bounds, 0 = none.
     sun_levels: u32,

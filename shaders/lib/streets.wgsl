@@ -29,7 +29,7 @@ fn street_at(at: vec2<f32>) -> StreetPlace {
     let half = 0.5 * f32(STREET_CELLS) * frame.street_grid.z;
     let away = max(abs(offset.x), abs(offset.y)) + STREET_BORDER_M;
     let level = max(ceil(log2(away / half)), 0.0);
-    if level >= frame.street_grid.w || (frame.hidden & HIDES_STREETS) != 0u { return StreetPlace(0.0, 0.0, 0.0, PAVEMENT_M, FAR); }
+    if level >= frame.street_grid.w { return StreetPlace(0.0, 0.0, 0.0, PAVEMENT_M, FAR); }
     let uv = offset / (f32(STREET_CELLS) * frame.street_grid.z * exp2(level)) + 0.5;
     let cell = textureSampleLevel(streets, imagery_sampler, uv, frame.street_layer + u32(level), 0.0);
     let reach = half * exp2(frame.street_grid.w - 1.0);

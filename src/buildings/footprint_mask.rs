@@ -38,6 +38,7 @@ impl FootprintMask {
     }
 
     /// Of cells that are covered by a rule.
+    #[cfg(test)]
     pub fn from_cells(side: usize, is_covered: impl Fn(usize, usize) -> bool) -> Self {
         let mut mask = Self::empty(side);
         for cell in 0..side * side {
@@ -52,16 +53,16 @@ impl FootprintMask {
     fn empty(side: usize) -> Self {
         Self {
             side,
-            bits: vec![0; side * side.div_ceil(u64::BITS as usize)],
+            bits: vec![0; side * Self::words_across(side)],
         }
     }
 
-    fn words_across(&self) -> usize {
-        self.side.div_ceil(u64::BITS as usize)
+    fn words_across(side: usize) -> usize {
+        side.div_ceil(u64::BITS as usize)
     }
 
     fn cover(&mut self, x: usize, y: usize) {
-        let across = self.words_across();
+        let across = Self::words_across(self.side);
         if x < self.side && y < self.side {
             self.bits[y * across + x / 64] |= 1 << (x % 64);
         }
@@ -74,7 +75,7 @@ impl FootprintMask {
 
     /// Whether a building stands on a cell; none stands beyond the tile.
     pub fn is_covered(&self, x: usize, y: usize) -> bool {
-        let word = self.bits.get(y * self.words_across() + x / 64);
+        let word = self.bits.get(y * Self::words_across(self.side) + x / 64);
         x < self.side && word.is_some_and(|word| word & (1 << (x % 64)) != 0)
     }
 }

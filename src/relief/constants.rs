@@ -76,6 +76,5 @@ pub const CONSTANTS: &[Constant] = &[
     ("HIDES_BUILDINGS", ConstantValue::Uint(Layers::HIDDEN_BITS[0])),
     ("HIDES_FACADES", ConstantValue::Uint(Layers::HIDDEN_BITS[1])),
     ("HIDES_IMAGERY", ConstantValue::Uint(Layers::HIDDEN_BITS[2])),
-    ("HIDES_STREETS", ConstantValue::Uint(Layers::HIDDEN_BITS[3])),
     ("GROUND_LEVELS", ConstantValue::Uint(GroundBounds::LEVELS)),
 ];

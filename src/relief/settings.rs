@@ -38,12 +38,12 @@ impl Default for Layers {
 }
 
 impl Layers {
-    /// Bits of the layers that are hidden; shaders have them as `HIDES_BUILDINGS` and so on.
-    pub const HIDDEN_BITS: [u32; 4] = [1, 2, 4, 8];
+    /// Bits of the layers that shaders hide; they have them as `HIDES_BUILDINGS` and so on.
+    pub const HIDDEN_BITS: [u32; 3] = [1, 2, 4];
 
     /// The bits of those that are hidden.
     pub fn hidden(self) -> u32 {
-        let shown = [self.buildings, self.facades, self.imagery, self.streets];
+        let shown = [self.buildings, self.facades, self.imagery];
         let bits = shown.into_iter().zip(Self::HIDDEN_BITS);
         bits.filter(|(is_shown, _)| !is_shown).map(|(_, bit)| bit).sum()
     }

@@ -26,6 +26,8 @@ pub struct StreetsTexture {
     /// What was asked for last: the tiles, the centre; whether it is not there yet.
     place: Option<(u64, DVec2)>,
     is_pending: bool,
+    /// Whether the last frame asked for any.
+    is_shown: bool,
     /// Counts how often other ones came to be shown.
     version: u64,
 }
@@ -81,6 +83,7 @@ impl StreetsTexture {
             begun: None,
             place: None,
             is_pending: false,
+            is_shown: false,
             version: 0,
         })
     }
@@ -88,7 +91,8 @@ impl StreetsTexture {
     /// Makes them for a frame, where ground is bare. Where frames do not wait, beside them: until they are there, and while an image is
     /// amid its bands, the last ones serve.
     pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, request: StreetsRequest) {
-        if !request.is_shown || !(resident.has_bare_ground || request.hides_imagery) {
+        self.is_shown = request.is_shown && (resident.has_bare_ground || request.hides_imagery);
+        if !self.is_shown {
             (self.is_pending, self.place) = (false, None);
             return;
         }
@@ -155,12 +159,10 @@ impl StreetsTexture {
         Some(of)
     }
 
-    /// What shaders take for an eye in plan: the grid, no levels while there are none, and the first layer.
+    /// What shaders take for an eye in plan: the grid, no levels where none are shown, and the first layer.
     pub fn uniforms(&self, eye: DVec2) -> (Vec4, u32) {
-        let grid = self
-            .streets
-            .as_ref()
-            .map_or(Vec4::ZERO, |(_, streets)| streets.uniform(eye));
+        let shown = self.streets.as_ref().filter(|_| self.is_shown);
+        let grid = shown.map_or(Vec4::ZERO, |(_, streets)| streets.uniform(eye));
         (grid, self.first_layer)
     }
 
