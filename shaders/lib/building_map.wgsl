@@ -1,8 +1,8 @@
 // The building maps of all resident tiles. Host: src/buildings/map.rs, which tells how words lie, and src/scene/map_pool.rs.
 
 struct TileRecord {
-    // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them, the
-    // first the nearest; before those this record.
+    // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them, two
+    // records each, the first the nearest; before those this record.
     quad_base: u32,
     // The tile's first word in `map_words`: the facade coordinates of its vertices stand before it, the first vertex's the nearest.
     word_base: u32,
@@ -35,6 +35,16 @@ struct RoofRecord {
     fid: u32,
 }
 
+// What stands behind a roof's record.
+struct RoofOutline {
+    // Place of the first vertex of its outline, counted from the roof's; edges, 0 where they are too many for a pitched roof
+    // (`pitched_roof.wgsl`); a bit for each of them that is none, but leads from one ring to the next.
+    vertex: u32,
+    edges: u32,
+    gaps: u32,
+    padding: u32,
+}
+
 // Counted row by row, POOL_WORDS and POOL_QUADS a row. Textures, because a software device gathers from those for all lanes at once.
 @group(1) @binding(1) var map_words: texture_2d<u32>;
 @group(1) @binding(2) var map_quads: texture_2d<u32>;
@@ -55,7 +65,7 @@ fn slot_at(place: i32) -> TileRecord {
 
 // A place in `map_quads`: of an outline vertex (edge e runs from vertex e to e + 1), of a roof.
 fn vertex_place(slot: TileRecord, vertex: u32) -> u32 { return slot.quad_base + frame.pyramid_nodes + vertex; }
-fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - 1u - building; }
+fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - 2u - 2u * building; }
 
 // What stands at such places. A roof read as a vertex tells its elevation.
 fn vertex_at(place: u32) -> VertexRecord {
@@ -66,6 +76,11 @@ fn vertex_at(place: u32) -> VertexRecord {
 fn roof_at(place: u32) -> RoofRecord {
     let record = quad_at(place);
     return RoofRecord(bitcast<f32>(record.x), record.y, bitcast<f32>(record.z), record.w);
+}
+
+fn roof_outline(place: u32) -> RoofOutline {
+    let record = quad_at(place + 1u);
+    return RoofOutline(record.x, record.y, record.z, record.w);
 }
 
 // Four rows of four bytes, from the south-west. Twin: Pyramid::first_node and place.

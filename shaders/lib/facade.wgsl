@@ -155,15 +155,13 @@ fn facade_bay_m(style: u32) -> f32 { return textureLoad(facade_palette, vec2<u32
 // The direction that a building's roofing is laid along.
 fn roof_along(code: u32) -> vec2<f32> { return vec2<f32>(cos(direction_of(code)), sin(direction_of(code))); }
 
-// `plan`: metres, of any origin that stays; `size`: of a pixel on the roof, metres.
-fn roof_tile(code: u32, plan: vec2<f32>, size: f32) -> TilePlace {
-    let along = roof_along(code);
-    let local = vec2<f32>(dot(plan, along), dot(plan, vec2<f32>(-along.y, along.x)));
+// `local`: metres along the roofing and across it; `size`: of a pixel on the roof, metres.
+fn roof_tile(code: u32, local: vec2<f32>, size: f32) -> TilePlace {
     return TilePlace(FACADE_LAYERS + roof_of(code), local / ROOF_M, vec2<f32>(size) / ROOF_M);
 }
 
-fn roof_material(code: u32, fid: u32, texel: TileTexel) -> Material {
-    let along = roof_along(code);
+// `along`: unit vector in plan that the roofing is laid along.
+fn roof_material(along: vec2<f32>, fid: u32, texel: TileTexel) -> Material {
     let chance = random3(vec3<u32>(fid, 11u, 5u));
     let shade = 0.80 + 0.40 * chance.y;
     let warm = vec3<f32>(1.0 + 0.08 * (chance.z - 0.5), 1.0, 1.0 - 0.08 * (chance.z - 0.5));

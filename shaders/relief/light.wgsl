@@ -168,6 +168,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let code = facade.w;
     let place = bitcast<vec3<f32>>(facade.xyz);
     let above_base = at.z - place.y;
+    let slope = roof_slope(code, at.xy, direction, select(0u, facade.x, !is_ground && !is_wall), size);
     // One read of the tiles, whatever the surface: a software device pays for all sides of a branch.
     var tile: WallTile;
     if is_wall {
@@ -175,7 +176,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     } else if is_ground {
         tile.place = ground_tile(plan, size);
     } else {
-        tile.place = roof_tile(code, plan, size);
+        tile.place = roof_tile(code, roof_place_on(slope, code, plan), size);
     }
     let texel = tile_texel(tile.place);
     var material: Material;
@@ -195,7 +196,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
             let relief_normal = normalize(mix(bare.normal, normal, shown));
             material = Material(mix(bare.albedo, photographed, shown), relief_normal, 0.0, 0.0);
         } else {
-            material = roof_material(code, id, texel);
+            material = with_slope(roof_material(roof_direction(slope, code), id, texel), slope, size);
             if is_flat_roof(code) { material = with_parapet(material, id, at.xy, pixel_m); }
             if hides_facades() { material = plaster(normal); }
             // Not the plan that is drawn on the ground, which is less opaque (`ground_plan.rs`).

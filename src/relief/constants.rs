@@ -54,6 +54,8 @@ pub const CONSTANTS: &[Constant] = &[
     ("OWN_LAYERS", ConstantValue::Uint(OWN_LAYERS)),
     ("FACADES", ConstantValue::Uint(FacadeStyle::ALL.len() as u32)),
     ("GRAVEL", ConstantValue::Uint(RoofStyle::Gravel as u32)),
+    ("TILES", ConstantValue::Uint(RoofStyle::Tiles as u32)),
+    ("SLATE", ConstantValue::Uint(RoofStyle::Slate as u32)),
     ("MEMBRANE", ConstantValue::Uint(RoofStyle::Membrane as u32)),
     ("ROOF_M", ConstantValue::Float2(ROOF_M)),
     (

@@ -113,6 +113,7 @@ pub const LIGHT: ShaderSource = ShaderSource {
         shader_file!("lib/surface_rays.wgsl"),
         shader_file!("lib/facade.wgsl"),
         shader_file!("lib/parapet.wgsl"),
+        shader_file!("lib/pitched_roof.wgsl"),
         shader_file!("lib/streets.wgsl"),
         shader_file!("lib/bare_ground.wgsl"),
         shader_file!("fullscreen.wgsl"),

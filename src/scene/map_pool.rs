@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::SceneError;
-use crate::buildings::{DeviceMap, MapTile};
+use crate::buildings::{BuildingMap, DeviceMap, MapTile, OutlineVertex};
 use crate::gpu::{Gpu, TexelPool, TexelRun};
 
 /// Words along a row of the pool of words; shaders have it as `POOL_WORDS`.
@@ -56,6 +56,20 @@ pub struct RoofRecord {
     /// Id of the building.
     pub fid: u32,
 }
+
+/// What stands behind a roof's record; layout of `RoofOutline` in `shaders/lib/building_map.wgsl`, where it is explained.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs)]
+pub struct RoofOutline {
+    pub vertex: u32,
+    pub edges: u32,
+    pub gaps: u32,
+    pub padding: u32,
+}
+
+/// Records of 16 bytes that a roof takes.
+const ROOF_QUADS: usize = (size_of::<RoofRecord>() + size_of::<RoofOutline>()) / size_of::<[u32; 4]>();
 
 /// A map that was put.
 pub struct MapPut {
@@ -134,7 +148,7 @@ impl MapPool {
                 return Err(error.into());
             }
         };
-        let quad_base = quads.first + RECORD_QUADS + map.roofs.len() as u32;
+        let quad_base = quads.first + RECORD_QUADS + (ROOF_QUADS * map.roofs.len()) as u32;
         let record = TileRecord {
             quad_base,
             word_base: words.first + map.vertices.len() as u32,
@@ -187,7 +201,7 @@ impl MapPool {
 
 fn quad_count(MapTile { map, pyramid }: &MapTile) -> usize {
     RECORD_QUADS as usize
-        + map.roofs.len()
+        + ROOF_QUADS * map.roofs.len()
         + pyramid.nodes().len()
         + map.vertices.len()
         + map.occupied_count()
@@ -195,11 +209,21 @@ fn quad_count(MapTile { map, pyramid }: &MapTile) -> usize {
 
 /// A map's record, its roofs, the last first, the nodes of its pyramid, its outline vertices, its occupied blocks.
 fn quads_of(record: TileRecord, MapTile { map, pyramid }: &MapTile, blocks: &[[u32; 4]]) -> Vec<[u32; 4]> {
-    let roofs = map.roofs.iter().rev().map(|roof| RoofRecord {
-        base_m: roof.base_m,
-        material: roof.material,
-        roof_m: roof.roof_m,
-        fid: roof.fid,
+    let outlines = roof_outlines(map);
+    let roofs = map.roofs.iter().zip(outlines).enumerate().rev();
+    let roofs = roofs.flat_map(|(index, (roof, outline))| {
+        let record = RoofRecord {
+            base_m: roof.base_m,
+            material: roof.material,
+            roof_m: roof.roof_m,
+            fid: roof.fid,
+        };
+        let vertices = (ROOF_QUADS * (index + 1) + pyramid.nodes().len()) as u32;
+        let outline = RoofOutline {
+            vertex: vertices + outline.vertex,
+            ..outline
+        };
+        [bytemuck::cast::<_, [u32; 4]>(record), bytemuck::cast(outline)]
     });
     let vertices = map.vertices.iter().map(|vertex| {
         let roof = &map.roofs[vertex.building as usize];
@@ -211,9 +235,54 @@ fn quads_of(record: TileRecord, MapTile { map, pyramid }: &MapTile, blocks: &[[u
     });
     bytemuck::cast::<TileRecord, [[u32; 4]; RECORD_QUADS as usize]>(record)
         .into_iter()
-        .chain(roofs.map(bytemuck::cast))
+        .chain(roofs)
         .chain(pyramid.nodes().iter().copied())
         .chain(vertices.map(bytemuck::cast))
         .chain(blocks.iter().copied())
         .collect()
 }
+
+/// Edges of an outline that may have a pitched roof: as many as there are bits.
+const MAX_PITCHED_EDGES: usize = 32;
+
+/// Each building's outline, its first vertex counted from the map's.
+fn roof_outlines(map: &BuildingMap) -> Vec<RoofOutline> {
+    let mut outlines = vec![RoofOutline::default(); map.roofs.len()];
+    let mut first = 0;
+    for of_building in map.vertices.chunk_by(|a, b| a.building == b.building) {
+        let edges = of_building.len() - 1;
+        if edges <= MAX_PITCHED_EDGES {
+            outlines[of_building[0].building as usize] = RoofOutline {
+                vertex: first as u32,
+                edges: edges as u32,
+                gaps: gaps_between_rings(of_building, map.side as f32 * map.texel_m),
+                padding: 0,
+            };
+        }
+        first += of_building.len();
+    }
+    outlines
+}
+
+/// Bits of the edges that lead from the end of a ring to the next one's begin: past a vertex that closes its ring, and outside the tile
+/// where the outline was left out.
+fn gaps_between_rings(vertices: &[OutlineVertex], tile_m: f32) -> u32 {
+    let places: Vec<[f32; 2]> = vertices.iter().map(|vertex| [vertex.x_m, vertex.y_m]).collect();
+    let is_outside = |a: [f32; 2], b: [f32; 2]| {
+        let both =
+            |is_past: fn(f32, f32) -> bool| (0..2).any(|k| is_past(a[k], tile_m) && is_past(b[k], tile_m));
+        both(|at, _| at < -WIDENED_M) || both(|at, tile_m| at > tile_m + WIDENED_M)
+    };
+    let (mut gaps, mut ring) = (0, 0);
+    for edge in 0..places.len() - 1 {
+        let closes = edge > ring && places[edge] == places[ring];
+        if closes || is_outside(places[edge], places[edge + 1]) {
+            gaps |= 1 << edge;
+            ring = edge + 1;
+        }
+    }
+    gaps
+}
+
+/// How far from a tile an edge may pass that is handed to it, metres.
+const WIDENED_M: f32 = 0.01;
