@@ -58,6 +58,9 @@ struct Material {
 const NARROWEST_BAY: f32 = 0.55;
 // What of a bay the wall beside its window takes, on one side.
 const PIER: f32 = 0.12;
+// How light rooms are by day, by the tile's: dark ones are the most.
+const DARK_ROOM: f32 = 0.6;
+const LIGHT_ROOM: f32 = 3.4;
 // Bays a metre of a column far away.
 const FAR_BAYS_PER_M: f32 = 0.33;
 
@@ -96,8 +99,9 @@ fn tile_slope(detail: vec4<f32>) -> vec2<f32> { return (2.0 * detail.xy - 1.0) *
 // What of a wall's tile a pixel shows.
 struct WallTile {
     place: TilePlace,
-    // How far the window of the bay and storey is lit at night.
+    // How far the window of the bay and storey is lit at night; how light the room behind it is by day, by the tile's.
     lit: f32,
+    room: f32,
 }
 
 // `pixel_m`: width of a pixel on a surface that faces the eye, metres; `direction`: of the view ray.
@@ -131,21 +135,24 @@ fn wall_tile(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, direct
     let size = vec2<f32>(pixel_m / facing * 0.5 * bays_per_m, pixel_m / level / storey_m);
     let is_lit = select(0.0, 1.0, chance.y < 0.42);
     // Far away all windows are lit by the part that is.
-    let lit = mix(is_lit, 0.42, smoothstep(0.3, 1.5, size.x * 2.0));
-    return WallTile(TilePlace(layer, uv, select(size, max(size, vec2<f32>(1.0)), is_column)), lit);
+    let far = smoothstep(0.3, 1.5, size.x * 2.0);
+    let room = mix(DARK_ROOM, LIGHT_ROOM, chance.z * chance.z * chance.z);
+    let place_on_tile = TilePlace(layer, uv, select(size, max(size, vec2<f32>(1.0)), is_column));
+    return WallTile(place_on_tile, mix(is_lit, 0.42, far), mix(room, mix(DARK_ROOM, LIGHT_ROOM, 0.25), far));
 }
 
-fn wall_material(code: u32, fid: u32, normal: vec3<f32>, texel: TileTexel, lit: f32) -> Material {
+fn wall_material(code: u32, fid: u32, normal: vec3<f32>, texel: TileTexel, tile: WallTile) -> Material {
     let style = facade_of(code);
     let palette = textureLoad(facade_palette, vec2<u32>(u32(random3(vec3<u32>(fid, 3u, 7u)).x * 4.0), style), 0).rgb;
     let shade = 0.88 + 0.24 * random3(vec3<u32>(fid, 5u, 7u)).y;
     var material: Material;
     material.albedo = texel.colour.rgb * mix(vec3<f32>(1.0), palette * shade / WALL_GREY, texel.detail.z);
+    material.albedo *= mix(1.0, tile.room, texel.colour.a);
     let along = vec3<f32>(-normal.y, normal.x, 0.0);
     let slope = tile_slope(texel.detail);
     material.normal = normalize(normal - along * slope.x - vec3<f32>(0.0, 0.0, slope.y));
     material.glass = texel.colour.a;
-    material.lit = lit;
+    material.lit = tile.lit;
     return material;
 }
 

@@ -79,6 +79,34 @@ fn with_slope(roof: Material, slope: RoofSlope, size: f32) -> Material {
     return material;
 }
 
+// Height of the gutter along the top of a wall under a pitched roof and of the shade below it, metres; the parts of the wall's lightness
+// that the gutter has, and that the shade has at its top.
+const GUTTER_HIGH_M: f32 = 0.13;
+const EAVES_SHADE_M: f32 = 0.32;
+const GUTTER_LIGHT: f32 = 0.2;
+const EAVES_LIGHT: f32 = 0.55;
+
+// What gutter and shade take of a wall from its top down to a depth, metres of its lightness; above the top what they would mirrored, so
+// that wide pixels take as much from the wall as narrow ones.
+fn taken_by_eaves(depth: f32) -> f32 {
+    let deep = abs(depth);
+    let in_shade = clamp(deep - GUTTER_HIGH_M, 0.0, EAVES_SHADE_M);
+    let taken = (1.0 - GUTTER_LIGHT) * min(deep, GUTTER_HIGH_M) + (1.0 - EAVES_LIGHT) * in_shade * (1.0 - 0.5 * in_shade / EAVES_SHADE_M);
+    return select(-taken, taken, depth >= 0.0);
+}
+
+// A wall's material under its roof's eaves; the mean of the wall, `height` metres high, stays its tiles'. `below_roof`, `size`: of a pixel
+// on the wall, metres.
+fn under_eaves(wall: Material, code: u32, below_roof: f32, height: f32, size: f32) -> Material {
+    let taken = (taken_by_eaves(below_roof + 0.5 * size) - taken_by_eaves(below_roof - 0.5 * size)) / size;
+    let mean = 1.0 - taken_by_eaves(EAVES_SHADE_M + GUTTER_HIGH_M) / max(height, 2.0);
+    let light = select(1.0, (1.0 - taken) / mean, is_pitched(code));
+    var material = wall;
+    material.albedo *= light;
+    material.glass *= min(light, 1.0);
+    return material;
+}
+
 // The slope that is seen at a place, metres from the eye. `roof`: its place in the building map, 0 if unknown; `size`: of a pixel, metres.
 fn roof_slope(code: u32, at: vec2<f32>, direction: vec3<f32>, roof: u32, size: f32) -> RoofSlope {
     let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + at) / frame.tile_m));

@@ -40,9 +40,9 @@ fn fs(@builtin(position) position: vec4<f32>) -> BuildingTexels {
     let roof = roof_at(hit.roof_place);
     let place = facade_position(hit);
     let base = roof.base_m - frame.eye_elevation;
-    let bays_or_roof = select(bitcast<u32>(place.bays_per_m), hit.roof_place, hit.edge == ROOF);
-    let heights = bitcast<vec2<u32>>(vec2<f32>(base, roof.roof_m - roof.base_m));
+    let facade = bitcast<vec3<u32>>(vec3<f32>(place.bays_per_m, base, roof.roof_m - roof.base_m));
     let normal = pack_normal(hit_normal(hit, ray));
-    let surface = vec4<u32>(bitcast<u32>(hit.t), roof.fid, bitcast<u32>(place.bays), normal);
-    return BuildingTexels(surface, vec4<u32>(bays_or_roof, heights, roof.material));
+    let bays_or_roof = select(bitcast<u32>(place.bays), hit.roof_place, hit.edge == ROOF);
+    let surface = vec4<u32>(bitcast<u32>(hit.t), roof.fid, bays_or_roof, normal);
+    return BuildingTexels(surface, vec4<u32>(facade, roof.material));
 }

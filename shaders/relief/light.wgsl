@@ -98,8 +98,9 @@ fn sees_sun(start: vec3<f32>, normal: vec3<f32>, to_sun: vec3<f32>) -> bool {
     return walk_ground(ray, 0.0, end) >= FAR;
 }
 
-// Reflectance of glass at normal incidence (index 1.52); exponent of its gloss.
-const GLASS_REFLECTANCE: f32 = 0.0426;
+// Reflectance of a pane at normal incidence: two surfaces of index 1.52, of 0.0426 each, with what goes to and fro between them;
+// exponent of its gloss.
+const GLASS_REFLECTANCE: f32 = 0.0817;
 const GLASS_GLOSS: f32 = 1800.0;
 // What stands across a street, as a window mirrors it: metres away, as high as the window's own building. An estimate: no ray is cast.
 const STREET_M: f32 = 16.0;
@@ -168,7 +169,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let code = facade.w;
     let place = bitcast<vec3<f32>>(facade.xyz);
     let above_base = at.z - place.y;
-    let slope = roof_slope(code, at.xy, direction, select(0u, facade.x, !is_ground && !is_wall), size);
+    let slope = roof_slope(code, at.xy, direction, select(0u, relief.z, !is_ground && !is_wall), size);
     // One read of the tiles, whatever the surface: a software device pays for all sides of a branch.
     var tile: WallTile;
     if is_wall {
@@ -181,7 +182,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     let texel = tile_texel(tile.place);
     var material: Material;
     if is_wall {
-        material = wall_material(code, id, normal, texel, tile.lit);
+        material = under_eaves(wall_material(code, id, normal, texel, tile), code, place.z - above_base, place.z, size);
     } else {
         let seen = imagery_at(at.xy, size);
         if is_ground {

@@ -73,10 +73,10 @@ fn fs(in: TileVertex) -> BuildingTexels {
         bays_per_m = 1.0 / SEARCH_BAY_M;
         bays = (local.x + local.y) * bays_per_m;
     }
-    let surface = vec4<u32>(bitcast<u32>(found.t), roof.fid, bitcast<u32>(bays), pack_normal(normal));
-    let bays_or_roof = select(met.roof_place, bitcast<u32>(bays_per_m), is_steep(found, frame.search));
-    let heights = bitcast<vec2<u32>>(vec2<f32>(base, roof.roof_m - roof.base_m));
-    return BuildingTexels(surface, vec4<u32>(bays_or_roof, heights, roof.material));
+    let bays_or_roof = select(met.roof_place, bitcast<u32>(bays), normal.z == 0.0);
+    let surface = vec4<u32>(bitcast<u32>(found.t), roof.fid, bays_or_roof, pack_normal(normal));
+    let facade = bitcast<vec3<u32>>(vec3<f32>(bays_per_m, base, roof.roof_m - roof.base_m));
+    return BuildingTexels(surface, vec4<u32>(facade, roof.material));
 }
 
 fn clamped_height(local: vec2<f32>, base: f32) -> f32 { return max(map_height(searched, local, searched_level).height, base); }

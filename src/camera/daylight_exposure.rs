@@ -5,8 +5,10 @@ use glam::DVec3;
 
 use crate::space::Sun;
 
-/// Daylight for which the exposure is 1: that of a high sun.
+/// Daylight of a high sun, at which a surface that meets it is as bright as its reflectance, times [`KEY`].
 const USUAL: f64 = 3.1;
+/// A town is lighter than its mean surface: half of it lies in shade.
+const KEY: f64 = 1.2;
 /// How a town meets the sun: the part of level surfaces, and that of walls by the mean cosine of those in the sun.
 const LEVEL: f64 = 0.6;
 const UPRIGHT: f64 = 0.4 * 0.64;
@@ -24,7 +26,7 @@ pub fn daylight(sun: &Sun, sky: DVec3) -> DVec3 {
 
 /// The factor for a daylight (linear sRGB, in the image's unit).
 pub fn daylight_exposure(daylight: DVec3) -> f32 {
-    ((USUAL + DARKEST) / (luminance(daylight).max(0.0) + DARKEST)).powf(FOLLOWS) as f32
+    (KEY * ((USUAL + DARKEST) / (luminance(daylight).max(0.0) + DARKEST)).powf(FOLLOWS)) as f32
 }
 
 fn luminance(rgb: DVec3) -> f64 {
@@ -81,7 +83,7 @@ mod tests {
             assert!(exposure >= last.1 && image <= last.0 + 1e-9, "{daylight}");
             last = (image, exposure);
         }
-        assert!((daylight_exposure(DVec3::splat(USUAL)) - 1.0).abs() < 1e-3);
+        assert!((f64::from(daylight_exposure(DVec3::splat(USUAL))) - KEY).abs() < 1e-3);
     }
 
     /// White light stays as it is; a coloured one comes nearer to white, keeps its luminance, and does not change sides.
