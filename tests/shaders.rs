@@ -9,7 +9,7 @@ use rilievo::camera::{BundleRecord, Exposure, InterfaceRecord, Motion, RayRecord
 use rilievo::output::{DebugFrame, FlareWindowFrame};
 use rilievo::relief::extrusion::ExtrusionFrame;
 use rilievo::relief::{Anchor, FrameUniforms, SearchParameters};
-use rilievo::scene::{GroundRecord, RoofRecord, TileRecord, VertexRecord};
+use rilievo::scene::{GroundRecord, RoofOutline, RoofRecord, TileRecord, VertexRecord};
 
 fn all() -> Vec<rilievo::gpu::ShaderSource> {
     rilievo::relief::SHADERS
@@ -256,6 +256,16 @@ fn records_are_laid_out_alike_on_both_sides() {
             "material" = material,
             "roof_m" = roof_m,
             "fid" = fid
+        ]
+    );
+    same_layout!(
+        "RoofOutline",
+        RoofOutline,
+        [
+            "vertex" = vertex,
+            "edges" = edges,
+            "gaps" = gaps,
+            "padding" = padding
         ]
     );
     same_layout!(
