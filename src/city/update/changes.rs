@@ -1,4 +1,4 @@
-//! What an update changes: footprints, and the building-map tiles under them.
+//! What an update changes: footprints, and the building-map tiles under them, which are written as they are made.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fs;
@@ -10,8 +10,9 @@ use rayon::prelude::*;
 
 use super::UpdateOptions;
 use super::context::UpdateContext;
-use super::parents::{changed_parents, read_ancestors};
+use super::parents::{read_ancestors, write_with_parents};
 use super::tile_change::TileChange;
+use super::update_folder::UpdateFolder;
 use crate::buildings::{Building, BuildingMap, MapTile, triangle_bytes};
 use crate::city::raised_footprints::{building_map, buildings_by_tile, raise_on_tiles};
 use crate::city::rules_file::FACADES;
@@ -53,9 +54,9 @@ impl Changes {
     }
 }
 
-/// What the edited dataset says otherwise than the tiles. `footprints`: where footprints are written whose outlines had to be
-/// repaired.
-pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Changes, CityError> {
+/// What the edited dataset says otherwise than the tiles; footprints whose outlines had to be repaired are written.
+pub fn by_comparing(folder: &UpdateFolder<'_>) -> Result<Changes, CityError> {
+    let place = folder.place();
     let city = place.city;
     let manifest = city.manifest();
     // A building stands on the ground of its city: with a tile of it gone the building would be gone as well.
@@ -77,7 +78,7 @@ pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Chan
     let by_tile = buildings_by_tile(&manifest.grid, &buildings);
     let (tiles, totals) = changed_tiles(place, &ids, &by_tile)?;
     let ancestors = read_ancestors(city, tiles.iter().map(|tile| tile.id));
-    let parents = changed_parents(city, &tiles, ancestors)?;
+    let parents = write_with_parents(folder, &tiles, ancestors)?;
     let repaired = |fid: u32| -> Option<&MultiPolygon<f64>> {
         let index = buildings
             .binary_search_by_key(&fid, |building| building.fid)
@@ -86,7 +87,7 @@ pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Chan
     };
     let changes_dataset = buildings.iter().any(|building| repaired(building.fid).is_some());
     if changes_dataset {
-        let mut writer = FootprintDatasetWriter::create(footprints, place.crs)?;
+        let mut writer = FootprintDatasetWriter::create(&folder.footprints(), place.crs)?;
         dataset.copy_to(&mut writer, repaired)?;
         writer.finish()?;
     }
@@ -107,12 +108,10 @@ pub fn by_comparing(place: &UpdateContext<'_>, footprints: &Path) -> Result<Chan
     })
 }
 
-/// What a file of footprints, and ids to take out, change. `footprints`: where changed footprints are written.
-pub fn from_file(
-    place: &UpdateContext<'_>,
-    options: &UpdateOptions,
-    footprints: &Path,
-) -> Result<Changes, CityError> {
+/// What a file of footprints, and ids to take out, change; changed footprints are written.
+pub fn from_file(folder: &UpdateFolder<'_>, options: &UpdateOptions) -> Result<Changes, CityError> {
+    let place = folder.place();
+    let footprints = &folder.footprints();
     let city = place.city;
     let manifest = city.manifest();
     refuse_edited(city)?;
@@ -173,7 +172,13 @@ pub fn from_file(
         counts: Some([added, after.len() as u64 - added, deleted.len() as u64]),
         buildings: left - deleted.len() as u64,
         deleted: deleted.into_iter().collect(),
-        ..replacing(place, &dataset, (&before, &read_before), (after, read), &named)?
+        ..replacing(
+            folder,
+            &dataset,
+            (&before, &read_before),
+            (after, read),
+            &named,
+        )?
     })
 }
 
@@ -182,7 +187,8 @@ const MAX_DIFFERENCES: usize = 2000;
 
 /// What the edited dataset says otherwise than `known`, the copy of it that the tiles show. None where that is much, or the dataset is
 /// to be repaired as well.
-pub fn by_difference(place: &UpdateContext<'_>, known: &Path) -> Result<Option<Changes>, CityError> {
+pub fn by_difference(folder: &UpdateFolder<'_>, known: &Path) -> Result<Option<Changes>, CityError> {
+    let place = folder.place();
     let dataset = place.city.footprint_dataset()?;
     let [changed, removed] = dataset.differing(known)?;
     if changed.len() + removed.len() > MAX_DIFFERENCES {
@@ -206,18 +212,19 @@ pub fn by_difference(place: &UpdateContext<'_>, known: &Path) -> Result<Option<C
         counts: None,
         buildings,
         deleted: Vec::new(),
-        ..replacing(place, &dataset, (&before.0, &before.1), after, &named)?
+        ..replacing(folder, &dataset, (&before.0, &before.1), after, &named)?
     }))
 }
 
 /// The tiles and figures of a city in which some buildings become others. `named`: the ids of all of them.
 fn replacing(
-    place: &UpdateContext<'_>,
+    folder: &UpdateFolder<'_>,
     dataset: &FootprintSource,
     (before, read_before): (&[Building], &FootprintReport),
     (after, read): (Vec<Building>, FootprintReport),
     named: &BTreeSet<u32>,
 ) -> Result<Changes, CityError> {
+    let place = folder.place();
     let manifest = place.city.manifest();
     let touched: BTreeSet<TileId> = before
         .iter()
@@ -242,7 +249,7 @@ fn replacing(
         || read_ancestors(place.city, ids.iter().copied()),
     );
     let (tiles, _) = changed?;
-    let parents = changed_parents(place.city, &tiles, ancestors)?;
+    let parents = write_with_parents(folder, &tiles, ancestors)?;
     let bytes = |buildings: &[Building]| -> u64 {
         buildings
             .iter()

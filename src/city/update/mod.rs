@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! a file of changes, ids ─┐
-//! the edited dataset ─────┴▶ changes (tiles that differ, footprints) ─▶ transaction ─▶ city folder
+//! the edited dataset ─────┴▶ changes (tiles that differ, footprints) ─▶ update_folder ─▶ transaction ─▶ city folder
 //! ```
 
 mod changes;
@@ -12,6 +12,7 @@ mod lock;
 mod parents;
 mod tile_change;
 mod transaction;
+mod update_folder;
 
 pub(super) use lock::{CityLock, is_at};
 pub(super) use transaction::Pending;
@@ -20,7 +21,8 @@ use std::path::PathBuf;
 
 use changes::{Changes, by_comparing, by_difference, from_file};
 use context::{UpdateContext, stamp_of};
-use transaction::{Transaction, finish_interrupted, set_not_older};
+use transaction::{commit, finish_interrupted, set_not_older};
+use update_folder::UpdateFolder;
 
 use super::manifest::MAX_GENERATION;
 use super::{City, CityError, Manifest};
@@ -81,19 +83,18 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
         rules: &rules,
         dataset_stamp: stamp_of(&city.footprint_dataset_path()),
     };
-    let transaction = Transaction::begin(&place)?;
-    let footprints = transaction.footprints();
+    let folder = UpdateFolder::begin(&place)?;
     let changes = if options.buildings.is_none() && options.delete.is_empty() {
         let few = match &options.known {
-            Some(known) => by_difference(&place, known)?,
+            Some(known) => by_difference(&folder, known)?,
             None => None,
         };
         match few {
             Some(changes) => changes,
-            None => by_comparing(&place, &footprints)?,
+            None => by_comparing(&folder)?,
         }
     } else {
-        from_file(&place, options, &footprints)?
+        from_file(&folder, options)?
     };
     let manifest = changed_manifest(manifest, &changes);
     if manifest.generation > MAX_GENERATION {
@@ -104,10 +105,10 @@ pub fn update(options: &UpdateOptions) -> Result<UpdateReport, CityError> {
     }
     if changes.is_empty() {
         // What was edited of the dataset changes no building.
-        drop(transaction);
+        drop(folder);
         set_not_older(&options.city.join("city.toml"), &city.footprint_dataset_path())?;
     } else {
-        transaction.commit(&changes, &manifest)?;
+        commit(folder, &changes, &manifest)?;
     }
     let written = changes.tiles.iter().filter(|tile| tile.map.is_some()).count();
     Ok(UpdateReport {

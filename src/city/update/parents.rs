@@ -1,43 +1,57 @@
-//! The building maps of coarser levels over changed tiles.
+//! The building maps of coarser levels over changed tiles. Of each level the tiles are written beside the next one's making.
 
 use std::collections::{BTreeSet, HashMap};
 
 use rayon::prelude::*;
 
 use super::tile_change::TileChange;
+use super::update_folder::UpdateFolder;
 use crate::buildings::{BuildingMap, coarser, coarser_updated};
 use crate::city::{City, CityError};
 use crate::space::TileId;
 
-/// The tiles over changed ones whose maps become other ones, level after level. `before`: what `read_ancestors` gives for them.
-pub fn changed_parents(
+/// Writes changed tiles of a level, and those over them whose maps become other ones; these, level after level. `before`: what
+/// `read_ancestors` gives for them.
+pub fn write_with_parents(
+    folder: &UpdateFolder<'_>,
+    tiles: &[TileChange],
+    before: HashMap<TileId, BuildingMap>,
+) -> Result<Vec<TileChange>, CityError> {
+    let parents = || {
+        if tiles.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (mut parents, before) = parents_of(folder.place().city, tiles, before)?;
+        let above = write_with_parents(folder, &parents, before)?;
+        parents.extend(above);
+        Ok(parents)
+    };
+    let (parents, written) = rayon::join(parents, || folder.write_tiles(tiles));
+    written?;
+    parents
+}
+
+/// The tiles of the next level whose maps become other ones; what is left of the maps before.
+fn parents_of(
     city: &City,
     tiles: &[TileChange],
     mut before: HashMap<TileId, BuildingMap>,
-) -> Result<Vec<TileChange>, CityError> {
-    let grid = &city.manifest().grid;
-    let mut parents: Vec<TileChange> = Vec::new();
-    let mut below = 0..tiles.len();
-    for level in 1..grid.levels() {
-        let changed: HashMap<TileId, Option<&BuildingMap>> = match level {
-            1 => tiles.iter().map(|tile| (tile.id, tile.map.as_ref())).collect(),
-            _ => (parents[below].iter())
-                .map(|tile| (tile.id, tile.map.as_ref()))
-                .collect(),
-        };
-        let ids: BTreeSet<TileId> = changed.keys().map(|id| id.parent()).collect();
-        let ids: Vec<_> = ids.into_iter().map(|id| (id, before.remove(&id))).collect();
-        let parent = |(id, before): (TileId, Option<BuildingMap>)| {
-            let read = || city.buildings(id).ok().flatten();
-            let before = if level > LEVELS_AT_ONCE { read() } else { before };
-            parent_change(city, id, before, &changed).transpose()
-        };
-        let next = ids.into_par_iter().filter_map(parent);
-        let next = next.collect::<Result<Vec<TileChange>, CityError>>()?;
-        below = parents.len()..parents.len() + next.len();
-        parents.extend(next);
+) -> Result<(Vec<TileChange>, HashMap<TileId, BuildingMap>), CityError> {
+    let level = tiles[0].id.level + 1;
+    if level >= city.manifest().grid.levels() {
+        return Ok((Vec::new(), before));
     }
-    Ok(parents)
+    let changed: HashMap<TileId, Option<&BuildingMap>> =
+        tiles.iter().map(|tile| (tile.id, tile.map.as_ref())).collect();
+    let ids: BTreeSet<TileId> = changed.keys().map(|id| id.parent()).collect();
+    let ids: Vec<_> = ids.into_iter().map(|id| (id, before.remove(&id))).collect();
+    let parent = |(id, before): (TileId, Option<BuildingMap>)| {
+        let read = || city.buildings(id).ok().flatten();
+        let before = if level > LEVELS_AT_ONCE { read() } else { before };
+        parent_change(city, id, before, &changed).transpose()
+    };
+    let parents = ids.into_par_iter().filter_map(parent);
+    Ok((parents.collect::<Result<Vec<TileChange>, CityError>>()?, before))
 }
 
 /// Levels whose maps are read at once: farther up a change of a building or two is hardly ever seen.

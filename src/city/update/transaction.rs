@@ -9,24 +9,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::changes::Changes;
-use super::context::UpdateContext;
-use super::tile_change::TileChange;
-use crate::city::city_files::{COMMITTED, MAX_TEXT, PARTIAL, is_tile_name, read_plain_text};
-use crate::city::codec::write_buildings;
+use super::update_folder::{FOOTPRINTS, UpdateFolder, remove_folder};
+use crate::city::city_files::{COMMITTED, MAX_TEXT, is_tile_name, read_plain_text};
 use crate::city::durable::{create, sync, write};
-use crate::city::geotiff::GeoKeys;
 use crate::city::{CityError, Layer, Manifest};
 use crate::source::{FootprintDatasetEditor, FootprintSource, roll_back};
 use crate::space::{Crs, TileId};
 
 /// What an update takes away.
 const PLAN: &str = "plan.toml";
-/// Footprints that it puts into the dataset.
-const FOOTPRINTS: &str = "footprints.gpkg";
 const MANIFEST: &str = "city.toml";
 /// Bytes of a block as file systems count them, and of holes in a dataset that is copied.
 const SECTOR: u64 = 512;
@@ -79,90 +73,48 @@ impl Pending {
     }
 }
 
-/// An update in the making.
-pub struct Transaction<'a> {
-    place: &'a UpdateContext<'a>,
-    folder: PathBuf,
-}
-
-impl<'a> Transaction<'a> {
-    /// Begins an update; what an interrupted one left unfinished is thrown away.
-    ///
-    /// # Errors
-    /// When the folder cannot be made.
-    pub fn begin(place: &'a UpdateContext<'a>) -> Result<Self, CityError> {
-        let folder = place.city.folder().join(PARTIAL);
-        remove_folder(&folder)?;
-        for level in 0..place.city.manifest().grid.levels() {
-            let tiles = Layer::Buildings.level_path(&folder, level);
-            fs::create_dir_all(&tiles).map_err(CityError::file(&tiles))?;
-        }
-        Ok(Self { place, folder })
+/// Makes changes hold whose tiles are written.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn commit(update: UpdateFolder<'_>, changes: &Changes, manifest: &Manifest) -> Result<(), CityError> {
+    let city = update.place().city.folder();
+    let mut plan = Plan {
+        buildings: changes.deleted.clone(),
+        ..Plan::default()
+    };
+    let tiles = changes.tiles.iter().chain(&changes.parents);
+    for tile in tiles.filter(|tile| tile.map.is_none()) {
+        plan.tiles.push([tile.id.level, tile.id.x, tile.id.y]);
     }
-
-    /// Writes the changes and makes them hold.
-    ///
-    /// # Errors
-    /// When a file cannot be written.
-    pub fn commit(self, changes: &Changes, manifest: &Manifest) -> Result<(), CityError> {
-        let city = self.place.city.folder();
-        let keys = GeoKeys::from_crs(self.place.crs)?;
-        let mut plan = Plan {
-            buildings: changes.deleted.clone(),
-            ..Plan::default()
-        };
-        let tiles: Vec<&TileChange> = changes.tiles.iter().chain(&changes.parents).collect();
-        for tile in tiles.iter().filter(|tile| tile.map.is_none()) {
-            plan.tiles.push([tile.id.level, tile.id.x, tile.id.y]);
-        }
-        let write_tile = |tile: &&TileChange| -> Result<(), CityError> {
-            let Some(map) = &tile.map else { return Ok(()) };
-            let path = Layer::Buildings.tile_path(&self.folder, tile.id);
-            let bounds = manifest.grid.tile_bounds(tile.id);
-            write_buildings(&path, (tile.id.level, &bounds), map, &keys)
-        };
-        tiles.par_iter().try_for_each(write_tile)?;
-        for (name, text) in [
-            (PLAN, toml::to_string_pretty(&plan)),
-            (MANIFEST, toml::to_string_pretty(manifest)),
-        ] {
-            let path = self.folder.join(name);
-            let text = text.map_err(|error| CityError::File {
-                path: path.clone(),
-                why: error.to_string(),
-            })?;
-            write(&path, text.as_bytes()).map_err(CityError::file(&path))?;
-        }
-        sync(&self.folder)?;
-        // What the dataset refuses is refused while the city is the old one.
-        let dataset_path = self.place.city.footprint_dataset_path();
-        require_plain(&dataset_path)?;
-        let dataset = changed_dataset(
-            &dataset_path,
-            (&self.footprints(), Some(self.place.crs)),
-            &plan.buildings,
-            || self.place.require_dataset_unchanged(),
-        )?;
-        let committed = city.join(COMMITTED);
-        fs::rename(&self.folder, &committed).map_err(CityError::file(&committed))?;
-        sync_folder(city)?;
-        if let Some(dataset) = dataset {
-            dataset.finish()?;
-        }
-        move_files(city, plan)
+    for (name, text) in [
+        (PLAN, toml::to_string_pretty(&plan)),
+        (MANIFEST, toml::to_string_pretty(manifest)),
+    ] {
+        let path = update.path().join(name);
+        let text = text.map_err(|error| CityError::File {
+            path: path.clone(),
+            why: error.to_string(),
+        })?;
+        write(&path, text.as_bytes()).map_err(CityError::file(&path))?;
     }
-
-    /// Where changed footprints are written.
-    pub fn footprints(&self) -> PathBuf {
-        self.folder.join(FOOTPRINTS)
+    sync(update.path())?;
+    // What the dataset refuses is refused while the city is the old one.
+    let dataset_path = update.place().city.footprint_dataset_path();
+    require_plain(&dataset_path)?;
+    let dataset = changed_dataset(
+        &dataset_path,
+        (&update.footprints(), Some(update.place().crs)),
+        &plan.buildings,
+        || update.place().require_dataset_unchanged(),
+    )?;
+    let committed = city.join(COMMITTED);
+    fs::rename(update.path(), &committed).map_err(CityError::file(&committed))?;
+    sync_folder(city)?;
+    if let Some(dataset) = dataset {
+        dataset.finish()?;
     }
-}
-
-impl Drop for Transaction<'_> {
-    /// What was not committed leaves nothing behind.
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder);
-    }
+    move_files(city, plan)
 }
 
 /// Moves the files of an update that holds into their places; nothing to do without one.
@@ -332,13 +284,6 @@ fn require_plain(path: &Path) -> Result<(), CityError> {
             why: "is a link; a city's files lie in its folder".to_owned(),
         }),
         false => Ok(()),
-    }
-}
-
-fn remove_folder(folder: &Path) -> Result<(), CityError> {
-    match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(CityError::file(folder)(error)),
-        _ => Ok(()),
     }
 }
 
