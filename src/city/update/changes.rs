@@ -172,13 +172,7 @@ pub fn from_file(folder: &UpdateFolder<'_>, options: &UpdateOptions) -> Result<C
         counts: Some([added, after.len() as u64 - added, deleted.len() as u64]),
         buildings: left - deleted.len() as u64,
         deleted: deleted.into_iter().collect(),
-        ..replacing(
-            folder,
-            &dataset,
-            (&before, &read_before),
-            (after, read),
-            &named,
-        )?
+        ..replacing(folder, &dataset, (&before, &read_before), (after, read), &named)?
     })
 }
 

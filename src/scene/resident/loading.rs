@@ -1,5 +1,6 @@
 //! Tiles on their way into the pool: all at once, or while frames go on.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{Resident, layer_index};
@@ -10,8 +11,8 @@ use crate::scene::loader::{Loaded, Reading, TileKey, read_all};
 use crate::scene::{MAPS, SceneError};
 use crate::space::TileId;
 
-/// Tiles read at a time: bounds the memory beside the pool's.
-const BATCH: usize = 24;
+/// Tiles read at a time, while as many that were read are put: bounds the memory beside the pool's.
+const BATCH: usize = 16;
 /// A frame that goes on takes tiles for no longer than this; the others have the next one.
 const FRAME_TIME: Duration = Duration::from_millis(6);
 
@@ -46,25 +47,33 @@ impl Resident {
                 coming[layer_index(*layer)] += 1;
             }
             self.make_room(coming);
-            for (k, batch) in missing.chunks(BATCH).enumerate() {
-                let readings = read_all(&self.city, batch);
-                // The first few tell how much room the others take.
-                let times = match k {
-                    0 => missing.len() as f64 / batch.len() as f64,
-                    _ => 1.0,
-                };
-                self.reserve(gpu, &readings, times)?;
-                for reading in readings {
-                    self.take(gpu, reading)?;
-                }
-                // So that the device frees the staging memory of the uploads.
-                gpu.queue.submit([]);
-                gpu.wait()?;
+            let city = Arc::clone(&self.city);
+            let mut batches = missing.chunks(BATCH);
+            let mut read_next = || batches.next().map(|batch| read_all(&city, batch));
+            let mut next = read_next();
+            // The first few tell how much room the others take.
+            let mut times = missing.len() as f64 / missing.len().min(BATCH) as f64;
+            while let Some(readings) = next.take() {
+                let (put, read) = rayon::join(|| self.take_all(gpu, readings, times), &mut read_next);
+                put?;
+                (next, times) = (read, 1.0);
             }
         }
         if has_loaded && let Some(newer) = self.city.updated()? {
             self.take_buildings(gpu, &newer)?;
         }
+        Ok(())
+    }
+
+    /// Puts what was read; `times`: as many tiles are to come.
+    fn take_all(&mut self, gpu: &Gpu, readings: Vec<Reading>, times: f64) -> Result<(), SceneError> {
+        self.reserve(gpu, &readings, times)?;
+        for reading in readings {
+            self.take(gpu, reading)?;
+        }
+        // So that the device frees the staging memory of the uploads.
+        gpu.queue.submit([]);
+        gpu.wait()?;
         Ok(())
     }
 
