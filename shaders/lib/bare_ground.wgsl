@@ -9,10 +9,10 @@ const SOIL: vec3<f32> = vec3<f32>(0.335, 0.300, 0.232);
 const TUFT: vec3<f32> = vec3<f32>(0.235, 0.238, 0.135);
 const YARD: vec3<f32> = vec3<f32>(0.330, 0.312, 0.268);
 const PAVED: vec3<f32> = vec3<f32>(0.242, 0.240, 0.233);
-const LAWN: vec3<f32> = vec3<f32>(0.186, 0.196, 0.104);
+const LAWN: vec3<f32> = vec3<f32>(0.150, 0.172, 0.078);
 const ASPHALT: vec3<f32> = vec3<f32>(0.138, 0.138, 0.139);
-const PAVEMENT: vec3<f32> = vec3<f32>(0.310, 0.302, 0.282);
-const KERB: vec3<f32> = vec3<f32>(0.390, 0.382, 0.360);
+const PAVEMENT: vec3<f32> = vec3<f32>(0.262, 0.257, 0.243);
+const KERB: vec3<f32> = vec3<f32>(0.330, 0.324, 0.308);
 const TRACK: vec3<f32> = vec3<f32>(0.285, 0.262, 0.215);
 // The land beyond the survey, of which nothing is known.
 const OPEN_LAND: vec3<f32> = vec3<f32>(0.285, 0.274, 0.222);
@@ -20,7 +20,7 @@ const OPEN_LAND: vec3<f32> = vec3<f32>(0.285, 0.274, 0.222);
 const YARDS: vec2<f32> = vec2<f32>(0.05, 0.12);
 const PAVING: vec2<f32> = vec2<f32>(0.26, 0.42);
 // The same of yards between known streets; coverages between which tracks come to be streets, and part of a track that is seen.
-const PAVED_YARDS: vec2<f32> = vec2<f32>(0.48, 0.66);
+const PAVED_YARDS: vec2<f32> = vec2<f32>(0.60, 0.80);
 const STREETS: vec2<f32> = vec2<f32>(0.18, 0.30);
 const TRACK_PART: f32 = 0.5;
 // Metres from a wall that are paved; width of a kerb and of the gutter before it, metres; how dark the gutter is; width of a pixel from
@@ -30,16 +30,12 @@ const KERB_M: f32 = 0.15;
 const GUTTER_M: f32 = 0.4;
 const GUTTER: f32 = 0.88;
 const KERB_TO_M: vec2<f32> = vec2<f32>(0.1, 0.3);
-// Width of a lane, how much lighter its wheel tracks are, and width of a pixel from which on they are not told, metres.
-const LANE_M: f32 = 3.25;
-const WORN: f32 = 0.035;
-const WORN_TO_M: vec2<f32> = vec2<f32>(0.2, 0.8);
 // How much of the paving's grain asphalt has.
 const ASPHALT_GRAIN: f32 = 0.6;
 // Metres from the houses between which yards go over to open land.
 const YARDS_TO_M: vec2<f32> = vec2<f32>(6.0, 18.0);
 // Part of a yard that is lawn.
-const LAWNS: f32 = 0.75;
+const LAWNS: f32 = 0.9;
 // How far blotches move the borders of the three.
 const RAGGED: f32 = 0.12;
 
@@ -89,6 +85,60 @@ fn contours(height: f32, normal: vec3<f32>, size: f32) -> f32 {
 // How dark joints of paving are; coverages between which paving comes to be of slabs.
 const JOINT: f32 = 0.28;
 const SLABS: vec2<f32> = vec2<f32>(0.38, 0.50);
+
+// Bushes and trees of gardens, a crown in so many cells of a lattice at most: relief on the ground, for who looks down on them. Side of
+// a cell, the least and the largest radius, metres; the part of the cells of a garden that have one.
+const CROWN_CELL_M: f32 = 6.5;
+const CROWN_M: vec2<f32> = vec2<f32>(1.1, 2.7);
+const CROWNS: f32 = 0.72;
+// Metres from the houses that gardens reach to.
+const GARDEN_M: f32 = 10.0;
+// Reflectances of the lightest and the darkest; how steep a crown's sides are; what of the light its shadow takes, and its length by
+// the radius at most.
+const SHRUB: vec3<f32> = vec3<f32>(0.118, 0.132, 0.058);
+const TREE: vec3<f32> = vec3<f32>(0.052, 0.076, 0.030);
+const CROWN_STEEP: f32 = 0.75;
+const CROWN_SHADE: f32 = 0.5;
+const CROWN_SHADOW: f32 = 0.9;
+// Cosines between the ray and the ground between which crowns come; widths of a pixel between which they go over to their mean, metres.
+const CROWNS_FROM_ABOVE: vec2<f32> = vec2<f32>(0.15, 0.40);
+const CROWNS_TO_M: vec2<f32> = vec2<f32>(1.2, 3.0);
+// Part of a garden that crowns cover.
+const CROWNS_COVER: f32 = 0.13;
+
+// A crown at a place.
+struct Crown {
+    // The part of the place that it covers; what its shadow takes of the light beside it.
+    cover: f32,
+    shade: f32,
+    // Slope of its dome, metres a metre; 0 for the lightest, 1 for the darkest.
+    dome: vec2<f32>,
+    tone: f32,
+}
+
+fn disc(from_centre: vec2<f32>, edge: f32) -> f32 { return 1.0 - smoothstep(1.0 - edge, 1.0 + edge, length(from_centre)); }
+
+// The crown of the lattice's cell at a place, where its middle lies in a garden: clear of walls, streets and pavements, and by houses.
+fn crown_at(at: GroundView, settled: f32) -> Crown {
+    let cell = floor(at.plan / CROWN_CELL_M);
+    let chance = random3(vec3<u32>(vec2<u32>(vec2<i32>(cell) + 65536), 91u));
+    let radius = mix(CROWN_M.x, CROWN_M.y, chance.z * chance.z);
+    let centre = (cell + 0.5) * CROWN_CELL_M + 0.8 * (chance.xy - 0.5) * (CROWN_CELL_M - 2.0 * radius);
+    let from_centre = (at.plan - centre) / radius;
+    let garden = street_at(at.at - from_centre * radius);
+    let is_clear = garden.from_building > 0.7 * radius && garden.from_building < GARDEN_M;
+    let is_aside = garden.certainty < 0.3 || garden.from_kerb < -garden.pavement - radius;
+    let grows = is_clear && is_aside && fract(7.3 * (chance.x + chance.y)) < CROWNS;
+    let seen = garden.known * settled * smoothstep(CROWNS_FROM_ABOVE.x, CROWNS_FROM_ABOVE.y, at.facing);
+    let far = smoothstep(CROWNS_TO_M.x, CROWNS_TO_M.y, at.size);
+    let edge = clamp(0.5 * at.size / radius, 0.12, 1.0);
+    let sun = frame.sun.xy / max(frame.sun.z, 0.1);
+    let shadow = sun * min(0.7, CROWN_SHADOW / max(length(sun), 1.0e-3));
+    let is_there = select(0.0, seen * (1.0 - far), grows);
+    let cover = is_there * disc(from_centre, edge);
+    let shade = CROWN_SHADE * is_there * disc(from_centre + shadow, 2.0 * edge);
+    return Crown(max(cover, seen * far * CROWNS_COVER), shade, CROWN_STEEP * from_centre, chance.z);
+}
 
 // What the ground looks like at a place.
 struct BareGround {
@@ -147,27 +197,28 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let dense = select(smoothstep(paving.x, paving.y, covered), 0.0, has_plan);
     // Lawns and paths, and what is paved along the walls.
     let edge = max(0.6 * size, 0.06);
-    let lawn = LAWNS * smoothstep(-0.12, 0.12, blotch + 0.04) * street.known;
+    let lawn = LAWNS * smoothstep(-0.12, 0.12, blotch + 0.07) * street.known;
     let apron = street.known * (1.0 - smoothstep(APRON_M - edge, APRON_M + edge, street.from_building + 0.8 * blotch));
     let yard = mix(mix(YARD, mix(LAWN, TUFT, 0.6 * tufts), lawn) * lightness, 0.9 * PAVEMENT * stone, apron);
-    let open = mix(mix(SOIL, TUFT, tufts) * lightness, yard, settled);
+    var open = mix(mix(SOIL, TUFT, tufts) * lightness, yard, settled);
+    let crown = crown_at(at, settled);
+    open = mix(open * (1.0 - crown.shade), mix(SHRUB, TREE, crown.tone) * lightness, crown.cover);
     let off_street = mix(open, PAVED * stone * mix(1.0, slabs, smoothstep(SLABS.x, SLABS.y, covered)), dense);
     // Carriageway, gutter, kerb and pavement of a street; a track where few stand.
     let is_town = smoothstep(STREETS.x, STREETS.y, covered);
     let told = 1.0 - smoothstep(KERB_TO_M.x, KERB_TO_M.y, size);
     let gutter = told * (1.0 - smoothstep(GUTTER_M - edge, GUTTER_M + edge, street.from_kerb));
     let carriageway = smoothstep(-edge, edge, street.from_kerb);
-    // Two tracks a lane.
-    let worn = 1.0 - WORN * cos(4.0 * PI * street.from_kerb / LANE_M) * (1.0 - smoothstep(WORN_TO_M.x, WORN_TO_M.y, size));
     let kerb = told * (1.0 - smoothstep(KERB_M - edge, KERB_M + edge, abs(street.from_kerb + KERB_M)));
     let beside = mix(PAVEMENT * slabs, KERB, kerb) * stone;
-    let asphalt = ASPHALT * worn * mix(1.0, GUTTER, gutter) * mix(1.0, stone, ASPHALT_GRAIN);
+    let asphalt = ASPHALT * mix(1.0, GUTTER, gutter) * mix(1.0, stone, ASPHALT_GRAIN);
     let surface = mix(TRACK * stone, mix(beside, asphalt, carriageway), is_town);
     let pavement = smoothstep(-street.pavement - edge, -street.pavement + edge, street.from_kerb);
     let on_street = street.known * street.certainty * mix(TRACK_PART * carriageway, pavement, is_town);
     let albedo = mix(off_street, surface, select(on_street, 0.0, has_plan));
     let lines = mix(1.0, ON_YARDS, settled) * (1.0 - dense) * (1.0 - on_street) * smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, at.facing);
     let slope = near * tile_slope(tile.detail);
-    let normal = normalize(at.normal - vec3<f32>(slope, 0.0));
+    let dome = crown.dome * crown.cover * (1.0 - on_street) * (1.0 - dense);
+    let normal = normalize(at.normal - vec3<f32>(slope - dome, 0.0));
     return BareGround(mix(albedo, CONTOUR, lines * contours(at.height, at.normal, size)), normal, lightness);
 }
