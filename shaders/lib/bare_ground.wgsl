@@ -5,9 +5,9 @@
 @group(2) @binding(13) var site_coverage: texture_2d_array<f32>;
 
 // Reflectances. Open land is soil with tufts.
-const SOIL: vec3<f32> = vec3<f32>(0.335, 0.300, 0.232);
-const TUFT: vec3<f32> = vec3<f32>(0.235, 0.238, 0.135);
-const YARD: vec3<f32> = vec3<f32>(0.330, 0.312, 0.268);
+const SOIL: vec3<f32> = vec3<f32>(0.300, 0.286, 0.214);
+const TUFT: vec3<f32> = vec3<f32>(0.205, 0.220, 0.115);
+const YARD: vec3<f32> = vec3<f32>(0.300, 0.290, 0.245);
 const PAVED: vec3<f32> = vec3<f32>(0.242, 0.240, 0.233);
 const LAWN: vec3<f32> = vec3<f32>(0.150, 0.172, 0.078);
 const ASPHALT: vec3<f32> = vec3<f32>(0.138, 0.138, 0.139);
@@ -15,7 +15,7 @@ const PAVEMENT: vec3<f32> = vec3<f32>(0.262, 0.257, 0.243);
 const KERB: vec3<f32> = vec3<f32>(0.330, 0.324, 0.308);
 const TRACK: vec3<f32> = vec3<f32>(0.285, 0.262, 0.215);
 // The land beyond the survey, of which nothing is known.
-const OPEN_LAND: vec3<f32> = vec3<f32>(0.285, 0.274, 0.222);
+const OPEN_LAND: vec3<f32> = vec3<f32>(0.258, 0.260, 0.194);
 // Coverages between which open land goes over to yards, and yards to paving.
 const YARDS: vec2<f32> = vec2<f32>(0.05, 0.12);
 const PAVING: vec2<f32> = vec2<f32>(0.26, 0.42);
@@ -96,7 +96,7 @@ const GARDEN_M: f32 = 10.0;
 // Reflectances of the lightest and the darkest; how steep a crown's sides are; what of the light its shadow takes, and its length by
 // the radius at most.
 const SHRUB: vec3<f32> = vec3<f32>(0.118, 0.132, 0.058);
-const TREE: vec3<f32> = vec3<f32>(0.052, 0.076, 0.030);
+const TREE: vec3<f32> = vec3<f32>(0.066, 0.092, 0.038);
 const CROWN_STEEP: f32 = 0.75;
 const CROWN_SHADE: f32 = 0.5;
 const CROWN_SHADOW: f32 = 0.9;

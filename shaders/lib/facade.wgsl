@@ -122,7 +122,7 @@ fn wall_tile(code: u32, fid: u32, place: WallPosition, normal: vec3<f32>, direct
     let chance = random3(vec3<u32>(fid, u32(i32(bay) + 4096), u32(storey)));
     // One of a tile's two bays; the same on all upper storeys of a facade, so that its axes run up.
     let variant_seed = select(chance.x, random3(vec3<u32>(fid, u32(i32(bay) + 4096), 77u)).x, band != BAND_GROUND);
-    let variant = select(0.0, 1.0, variant_seed < select(0.5, 0.28, is_ground && storeys > 1.0));
+    let variant = select(0.0, 1.0, variant_seed < select(0.5, 0.25, is_ground));
     var across = place.bays - bay;
     // Too narrow for a window: the pier beside it, wall after wall.
     let is_narrow = bays_per_m * facade_bay_m(style) > 1.0 / NARROWEST_BAY;

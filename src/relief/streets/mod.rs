@@ -36,8 +36,8 @@ pub const STREET_BORDER_M: f64 =
 /// street's half the pavements take at least; half the carriageway's width at most, metres. Shaders have them.
 pub const STREET_FROM_M: [f32; 2] = [2.3, 3.1];
 pub const STREET_TO_M: [f32; 2] = [18.0, 24.0];
-pub const PAVEMENT_PART: f32 = 0.42;
-pub const CARRIAGEWAY_M: f32 = 5.2;
+pub const PAVEMENT_PART: f32 = 0.46;
+pub const CARRIAGEWAY_M: f32 = 4.2;
 /// The centre lies on a lattice of this width, metres: a multiple of the coarsest level's cells.
 const LATTICE_M: f64 = 64.0;
 /// Length of a segment that a street holds, metres, and the directions that are tried.
