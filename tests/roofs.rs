@@ -167,6 +167,12 @@ fn slopes_face_the_nearest_edge_of_the_outline() {
         0.4,
         &[block],
     ));
+    houses.push(House::new(
+        "crossing court",
+        DVec2::new(x + 1.0, y + manifest.grid.tile_m / 2.0),
+        0.2,
+        &[square, court],
+    ));
     let city = import(folder.path(), &houses);
     let mut renderer = Renderer::open(Gpu::open().unwrap(), &city, TerrainMesh::Tin).unwrap();
     for house in &houses {
@@ -196,8 +202,12 @@ fn slopes_face_the_nearest_edge_of_the_outline() {
             right += u32::from(facing.angle_to(fall).abs() < 0.4 && facing.length() > 0.3 * mean);
         }
         println!("{}: {right} of {seen} pixels face their eaves", house.name);
-        // A tile has the edges alone that touch it: over a corner of four tiles some slopes end where they should not.
-        let gate = if house.name == "crossing" { 80 } else { 97 };
+        // A tile has the edges alone that touch it: slopes from the others are missing near its border.
+        let gate = if house.name.starts_with("crossing") {
+            88
+        } else {
+            97
+        };
         assert!(
             seen > 1500 && right * 100 >= seen * gate,
             "{}: {right} of {seen}",

@@ -1,5 +1,5 @@
-// Ground that no imagery shows: open land and yards, with contour lines as on a plan, and paving where houses stand close. All three are
-// guesses by what buildings cover, in quiet tones.
+// Ground that no imagery shows: open land and yards, with contour lines as on a plan, paving where houses stand close, streets, and
+// gardens with bushes between them. All are guesses by what buildings cover, in quiet tones.
 
 // Which part of the ground round a place buildings cover. Host: src/scene/site_coverage.rs.
 @group(2) @binding(13) var site_coverage: texture_2d_array<f32>;
@@ -111,7 +111,7 @@ struct Crown {
     // The part of the place that it covers; what its shadow takes of the light beside it.
     cover: f32,
     shade: f32,
-    // Slope of its dome, metres a metre; 0 for the lightest, 1 for the darkest.
+    // Slope of its dome where it covers the place, metres a metre; 0 for the lightest, 1 for the darkest.
     dome: vec2<f32>,
     tone: f32,
 }
@@ -133,11 +133,13 @@ fn crown_at(at: GroundView, settled: f32) -> Crown {
     let far = smoothstep(CROWNS_TO_M.x, CROWNS_TO_M.y, at.size);
     let edge = clamp(0.5 * at.size / radius, 0.12, 1.0);
     let sun = frame.sun.xy / max(frame.sun.z, 0.1);
-    let shadow = sun * min(0.7, CROWN_SHADOW / max(length(sun), 1.0e-3));
+    // No farther than the cell reaches on every side.
+    let room = 0.5 * CROWN_CELL_M / radius - 1.0 - 0.4 * (CROWN_CELL_M / radius - 2.0);
+    let shadow = sun * min(0.7, min(CROWN_SHADOW, room) / max(length(sun), 1.0e-3));
     let is_there = select(0.0, seen * (1.0 - far), grows);
     let cover = is_there * disc(from_centre, edge);
-    let shade = CROWN_SHADE * is_there * disc(from_centre + shadow, 2.0 * edge);
-    return Crown(max(cover, seen * far * CROWNS_COVER), shade, CROWN_STEEP * from_centre, chance.z);
+    let shade = CROWN_SHADE * smoothstep(0.0, 0.05, frame.sun.z) * is_there * disc(from_centre + shadow, 2.0 * edge);
+    return Crown(max(cover, seen * far * CROWNS_COVER), shade, CROWN_STEEP * cover * from_centre, chance.z);
 }
 
 // What the ground looks like at a place.
@@ -218,7 +220,7 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let albedo = mix(off_street, surface, select(on_street, 0.0, has_plan));
     let lines = mix(1.0, ON_YARDS, settled) * (1.0 - dense) * (1.0 - on_street) * smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, at.facing);
     let slope = near * tile_slope(tile.detail);
-    let dome = crown.dome * crown.cover * (1.0 - on_street) * (1.0 - dense);
+    let dome = crown.dome * (1.0 - on_street) * (1.0 - dense);
     let normal = normalize(at.normal - vec3<f32>(slope - dome, 0.0));
     return BareGround(mix(albedo, CONTOUR, lines * contours(at.height, at.normal, size)), normal, lightness);
 }

@@ -1,8 +1,8 @@
 // The building maps of all resident tiles. Host: src/buildings/map.rs, which tells how words lie, and src/scene/map_pool.rs.
 
 struct TileRecord {
-    // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them, two
-    // records each, the first the nearest; before those this record.
+    // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them,
+    // ROOF_QUADS records each, the first the nearest; before those this record.
     quad_base: u32,
     // The tile's first word in `map_words`: the facade coordinates of its vertices stand before it, the first vertex's the nearest.
     word_base: u32,
@@ -65,7 +65,7 @@ fn slot_at(place: i32) -> TileRecord {
 
 // A place in `map_quads`: of an outline vertex (edge e runs from vertex e to e + 1), of a roof.
 fn vertex_place(slot: TileRecord, vertex: u32) -> u32 { return slot.quad_base + frame.pyramid_nodes + vertex; }
-fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - 2u - 2u * building; }
+fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - ROOF_QUADS * (building + 1u); }
 
 // What stands at such places. A roof read as a vertex tells its elevation.
 fn vertex_at(place: u32) -> VertexRecord {

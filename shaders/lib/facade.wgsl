@@ -61,6 +61,8 @@ const PIER: f32 = 0.12;
 // How light rooms are by day, by the tile's: dark ones are the most.
 const DARK_ROOM: f32 = 0.6;
 const LIGHT_ROOM: f32 = 3.4;
+// Reflectance up to which a light room makes what is seen behind a pane lighter.
+const LIGHTEST_ROOM: f32 = 0.34;
 // Bays a metre of a column far away.
 const FAR_BAYS_PER_M: f32 = 0.33;
 
@@ -147,7 +149,8 @@ fn wall_material(code: u32, fid: u32, normal: vec3<f32>, texel: TileTexel, tile:
     let shade = 0.88 + 0.24 * random3(vec3<u32>(fid, 5u, 7u)).y;
     var material: Material;
     material.albedo = texel.colour.rgb * mix(vec3<f32>(1.0), palette * shade / WALL_GREY, texel.detail.z);
-    material.albedo *= mix(1.0, tile.room, texel.colour.a);
+    // A curtain is as light as it is.
+    material.albedo *= mix(1.0, clamp(tile.room, DARK_ROOM, max(LIGHTEST_ROOM / max(texel.colour.g, 0.01), 1.0)), texel.colour.a);
     let along = vec3<f32>(-normal.y, normal.x, 0.0);
     let slope = tile_slope(texel.detail);
     material.normal = normalize(normal - along * slope.x - vec3<f32>(0.0, 0.0, slope.y));

@@ -8,7 +8,7 @@ const SLOPE_M: f32 = 7.0;
 // Widths of the gutter at the eaves and, to both sides, of the tiles over ridges and hips, metres; how much darker and lighter they are.
 const EAVES_M: f32 = 0.14;
 const RIDGE_M: f32 = 0.13;
-const EAVES: f32 = 0.45;
+const EAVES_DARK: f32 = 0.45;
 const RIDGE: f32 = 1.25;
 // Widths of a pixel between which slopes fade into a flat roof of their mean, and of those lines, metres.
 const PITCHED_TO_M: vec2<f32> = vec2<f32>(1.2, 2.4);
@@ -74,32 +74,36 @@ fn with_slope(roof: Material, slope: RoofSlope, size: f32) -> Material {
     let eaves = 1.0 - smoothstep(EAVES_M - 0.5 * size, EAVES_M + 0.5 * size, slope.from_eaves);
     let ridge = 1.0 - smoothstep(RIDGE_M - 0.5 * size, RIDGE_M + 0.5 * size, slope.to_next);
     var material = roof;
-    material.albedo *= mix(1.0, mix(mix(1.0, RIDGE, ridge), EAVES, eaves), select(0.0, told, is_sloping));
+    // A slope has more of the sun than its plan: its mean by the plan is the flat roof's.
+    material.albedo *= sqrt(1.0 + pitch * pitch) * mix(1.0, mix(mix(1.0, RIDGE, ridge), EAVES_DARK, eaves), select(0.0, told, is_sloping));
     material.normal = normalize(roof.normal - vec3<f32>(pitch * slope.inwards, 0.0));
     return material;
 }
 
 // Height of the gutter along the top of a wall under a pitched roof and of the shade below it, metres; the parts of the wall's lightness
 // that the gutter has, and that the shade has at its top.
-const GUTTER_HIGH_M: f32 = 0.13;
+const EAVES_GUTTER_M: f32 = 0.13;
 const EAVES_SHADE_M: f32 = 0.32;
-const GUTTER_LIGHT: f32 = 0.2;
+const EAVES_GUTTER_LIGHT: f32 = 0.2;
 const EAVES_LIGHT: f32 = 0.55;
+const MIN_WALL_M: f32 = 2.0;
 
 // What gutter and shade take of a wall from its top down to a depth, metres of its lightness; above the top what they would mirrored, so
 // that wide pixels take as much from the wall as narrow ones.
 fn taken_by_eaves(depth: f32) -> f32 {
     let deep = abs(depth);
-    let in_shade = clamp(deep - GUTTER_HIGH_M, 0.0, EAVES_SHADE_M);
-    let taken = (1.0 - GUTTER_LIGHT) * min(deep, GUTTER_HIGH_M) + (1.0 - EAVES_LIGHT) * in_shade * (1.0 - 0.5 * in_shade / EAVES_SHADE_M);
+    let in_shade = clamp(deep - EAVES_GUTTER_M, 0.0, EAVES_SHADE_M);
+    let taken = (1.0 - EAVES_GUTTER_LIGHT) * min(deep, EAVES_GUTTER_M) + (1.0 - EAVES_LIGHT) * in_shade * (1.0 - 0.5 * in_shade / EAVES_SHADE_M);
     return select(-taken, taken, depth >= 0.0);
 }
 
-// A wall's material under its roof's eaves; the mean of the wall, `height` metres high, stays its tiles'. `below_roof`, `size`: of a pixel
-// on the wall, metres.
-fn under_eaves(wall: Material, code: u32, below_roof: f32, height: f32, size: f32) -> Material {
+// A wall's material under its roof's eaves; the mean of the wall, `height` metres high and no lower than MIN_WALL_M, stays its tiles'.
+// `below_roof`; `tall`: of a pixel on the wall, metres.
+fn under_eaves(wall: Material, code: u32, below_roof: f32, height: f32, tall: f32) -> Material {
+    let wall_m = max(height, MIN_WALL_M);
+    let size = min(tall, 2.0 * wall_m);
     let taken = (taken_by_eaves(below_roof + 0.5 * size) - taken_by_eaves(below_roof - 0.5 * size)) / size;
-    let mean = 1.0 - taken_by_eaves(EAVES_SHADE_M + GUTTER_HIGH_M) / max(height, 2.0);
+    let mean = 1.0 - taken_by_eaves(EAVES_SHADE_M + EAVES_GUTTER_M) / wall_m;
     let light = select(1.0, (1.0 - taken) / mean, is_pitched(code));
     var material = wall;
     material.albedo *= light;
@@ -110,8 +114,8 @@ fn under_eaves(wall: Material, code: u32, below_roof: f32, height: f32, size: f3
 // The slope that is seen at a place, metres from the eye. `roof`: its place in the building map, 0 if unknown; `size`: of a pixel, metres.
 fn roof_slope(code: u32, at: vec2<f32>, direction: vec3<f32>, roof: u32, size: f32) -> RoofSlope {
     let tile = frame.eye_tile + vec2<i32>(floor((frame.eye_in_tile + at) / frame.tile_m));
-    var outline = roof_outline(roof);
-    if roof == 0u || !is_pitched(code) || size >= PITCHED_TO_M.y { outline.edges = 0u; }
+    var outline = RoofOutline(0u, 0u, 0u, 0u);
+    if roof != 0u && is_pitched(code) && size < PITCHED_TO_M.y { outline = roof_outline(roof); }
     return slope_met(at - tile_corner(tile), direction, outline, roof + outline.vertex);
 }
 
@@ -121,7 +125,7 @@ fn roof_direction(slope: RoofSlope, code: u32) -> vec2<f32> {
 }
 
 // Metres along the roofing and across it. `plan`: metres, of any origin that stays.
-fn roof_place_on(slope: RoofSlope, code: u32, plan: vec2<f32>) -> vec2<f32> {
+fn roofing_position(slope: RoofSlope, code: u32, plan: vec2<f32>) -> vec2<f32> {
     let along = roof_direction(slope, code);
     let across = vec2<f32>(-along.y, along.x);
     return select(vec2<f32>(dot(plan, along), dot(plan, across)), vec2<f32>(slope.along, slope.from_eaves * sqrt(1.0 + PITCH * PITCH)), is_slope(slope));

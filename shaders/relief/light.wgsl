@@ -177,12 +177,12 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     } else if is_ground {
         tile.place = ground_tile(plan, size);
     } else {
-        tile.place = roof_tile(code, roof_place_on(slope, code, plan), size);
+        tile.place = roof_tile(code, roofing_position(slope, code, plan), size);
     }
     let texel = tile_texel(tile.place);
     var material: Material;
     if is_wall {
-        material = under_eaves(wall_material(code, id, normal, texel, tile), code, place.z - above_base, place.z, size);
+        material = under_eaves(wall_material(code, id, normal, texel, tile), code, place.z - above_base, place.z, pixel_m / max(length(direction.xy), 0.02));
     } else {
         let seen = imagery_at(at.xy, size);
         if is_ground {

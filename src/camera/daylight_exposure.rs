@@ -7,7 +7,7 @@ use crate::space::Sun;
 
 /// Daylight of a high sun, at which a surface that meets it is as bright as its reflectance, times [`KEY`].
 const USUAL: f64 = 3.1;
-/// A town is lighter than its mean surface: half of it lies in shade.
+/// By how much an image is lighter than its reflectances: roofs and streets are dark, and much of a town lies in shade.
 const KEY: f64 = 1.2;
 /// How a town meets the sun: the part of level surfaces, and that of walls by the mean cosine of those in the sun.
 const LEVEL: f64 = 0.6;

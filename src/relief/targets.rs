@@ -45,7 +45,7 @@ pub struct ReliefTargets {
     pub ground_normal: Target,
     /// Per block of pixels: metres along its view rays without a building.
     pub cone_distance: Target,
-    /// Buildings: bits of the metres along the view ray, id, bits of the facade coordinate (bays), packed normal.
+    /// Buildings: bits of the metres along the view ray, id, bits of the facade coordinate (bays) or a roof's place in the map, packed normal.
     pub building_surface: Target,
     /// Buildings: bits of the bays a metre, the base and the height, what they are made of (`shaders/lib/building_texels.wgsl`).
     pub building_facade: Target,

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::SceneError;
-use crate::buildings::{BuildingMap, DeviceMap, MapTile, OutlineVertex};
+use crate::buildings::{BuildingMap, CellKind, DeviceMap, MapTile};
 use crate::gpu::{Gpu, TexelPool, TexelRun};
 
 /// Words along a row of the pool of words; shaders have it as `POOL_WORDS`.
@@ -69,7 +69,7 @@ pub struct RoofOutline {
 }
 
 /// Records of 16 bytes that a roof takes.
-const ROOF_QUADS: usize = (size_of::<RoofRecord>() + size_of::<RoofOutline>()) / size_of::<[u32; 4]>();
+pub const ROOF_QUADS: usize = (size_of::<RoofRecord>() + size_of::<RoofOutline>()) / size_of::<[u32; 4]>();
 
 /// A map that was put.
 pub struct MapPut {
@@ -248,14 +248,16 @@ const MAX_PITCHED_EDGES: usize = 32;
 /// Each building's outline, its first vertex counted from the map's.
 fn roof_outlines(map: &BuildingMap) -> Vec<RoofOutline> {
     let mut outlines = vec![RoofOutline::default(); map.roofs.len()];
+    let is_edge = edges_named(map);
     let mut first = 0;
     for of_building in map.vertices.chunk_by(|a, b| a.building == b.building) {
         let edges = of_building.len() - 1;
         if edges <= MAX_PITCHED_EDGES {
+            let gap = |edge: usize| u32::from(!is_edge[first + edge]) << edge;
             outlines[of_building[0].building as usize] = RoofOutline {
                 vertex: first as u32,
                 edges: edges as u32,
-                gaps: gaps_between_rings(of_building, map.side as f32 * map.texel_m),
+                gaps: (0..edges).map(gap).sum(),
                 padding: 0,
             };
         }
@@ -264,25 +266,23 @@ fn roof_outlines(map: &BuildingMap) -> Vec<RoofOutline> {
     outlines
 }
 
-/// Bits of the edges that lead from the end of a ring to the next one's begin: past a vertex that closes its ring, and outside the tile
-/// where the outline was left out.
-fn gaps_between_rings(vertices: &[OutlineVertex], tile_m: f32) -> u32 {
-    let places: Vec<[f32; 2]> = vertices.iter().map(|vertex| [vertex.x_m, vertex.y_m]).collect();
-    let is_outside = |a: [f32; 2], b: [f32; 2]| {
-        let both =
-            |is_past: fn(f32, f32) -> bool| (0..2).any(|k| is_past(a[k], tile_m) && is_past(b[k], tile_m));
-        both(|at, _| at < -WIDENED_M) || both(|at, tile_m| at > tile_m + WIDENED_M)
+/// Whether each vertex begins an edge that some texel has: what leads from one ring to the next, or past what lies outside the tile, no
+/// texel has.
+fn edges_named(map: &BuildingMap) -> Vec<bool> {
+    let mut is_edge = vec![false; map.vertices.len()];
+    let mut name = |code: u32| {
+        if let CellKind::Run(run) = CellKind::from_code(code) {
+            let first = run.first as usize;
+            for named in is_edge.iter_mut().skip(first).take(run.edges as usize) {
+                *named = true;
+            }
+        }
     };
-    let (mut gaps, mut ring) = (0, 0);
-    for edge in 0..places.len() - 1 {
-        let closes = edge > ring && places[edge] == places[ring];
-        if closes || is_outside(places[edge], places[edge + 1]) {
-            gaps |= 1 << edge;
-            ring = edge + 1;
+    for (_, codes) in map.occupied_blocks() {
+        for code in codes {
+            name(code);
+            map.codes(code).iter().copied().for_each(&mut name);
         }
     }
-    gaps
+    is_edge
 }
-
-/// How far from a tile an edge may pass that is handed to it, metres.
-const WIDENED_M: f32 = 0.01;

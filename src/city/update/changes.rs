@@ -56,7 +56,7 @@ impl Changes {
 
 /// What the edited dataset says otherwise than the tiles; footprints whose outlines had to be repaired are written.
 pub fn by_comparing(folder: &UpdateFolder<'_>) -> Result<Changes, CityError> {
-    let place = folder.place();
+    let place = folder.context();
     let city = place.city;
     let manifest = city.manifest();
     // A building stands on the ground of its city: with a tile of it gone the building would be gone as well.
@@ -110,7 +110,7 @@ pub fn by_comparing(folder: &UpdateFolder<'_>) -> Result<Changes, CityError> {
 
 /// What a file of footprints, and ids to take out, change; changed footprints are written.
 pub fn from_file(folder: &UpdateFolder<'_>, options: &UpdateOptions) -> Result<Changes, CityError> {
-    let place = folder.place();
+    let place = folder.context();
     let footprints = &folder.footprints();
     let city = place.city;
     let manifest = city.manifest();
@@ -182,7 +182,7 @@ const MAX_DIFFERENCES: usize = 2000;
 /// What the edited dataset says otherwise than `known`, the copy of it that the tiles show. None where that is much, or the dataset is
 /// to be repaired as well.
 pub fn by_difference(folder: &UpdateFolder<'_>, known: &Path) -> Result<Option<Changes>, CityError> {
-    let place = folder.place();
+    let place = folder.context();
     let dataset = place.city.footprint_dataset()?;
     let [changed, removed] = dataset.differing(known)?;
     if changed.len() + removed.len() > MAX_DIFFERENCES {
@@ -218,7 +218,7 @@ fn replacing(
     (after, read): (Vec<Building>, FootprintReport),
     named: &BTreeSet<u32>,
 ) -> Result<Changes, CityError> {
-    let place = folder.place();
+    let place = folder.context();
     let manifest = place.city.manifest();
     let touched: BTreeSet<TileId> = before
         .iter()

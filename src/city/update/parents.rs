@@ -21,7 +21,7 @@ pub fn write_with_parents(
         if tiles.is_empty() {
             return Ok(Vec::new());
         }
-        let (mut parents, before) = parents_of(folder.place().city, tiles, before)?;
+        let (mut parents, before) = parents_of(folder.context().city, tiles, before)?;
         let above = write_with_parents(folder, &parents, before)?;
         parents.extend(above);
         Ok(parents)

@@ -78,7 +78,7 @@ impl Pending {
 /// # Errors
 /// When a file cannot be written.
 pub fn commit(update: UpdateFolder<'_>, changes: &Changes, manifest: &Manifest) -> Result<(), CityError> {
-    let city = update.place().city.folder();
+    let city = update.context().city.folder();
     let mut plan = Plan {
         buildings: changes.deleted.clone(),
         ..Plan::default()
@@ -100,13 +100,13 @@ pub fn commit(update: UpdateFolder<'_>, changes: &Changes, manifest: &Manifest) 
     }
     sync(update.path())?;
     // What the dataset refuses is refused while the city is the old one.
-    let dataset_path = update.place().city.footprint_dataset_path();
+    let dataset_path = update.context().city.footprint_dataset_path();
     require_plain(&dataset_path)?;
     let dataset = changed_dataset(
         &dataset_path,
-        (&update.footprints(), Some(update.place().crs)),
+        (&update.footprints(), Some(update.context().crs)),
         &plan.buildings,
-        || update.place().require_dataset_unchanged(),
+        || update.context().require_dataset_unchanged(),
     )?;
     let committed = city.join(COMMITTED);
     fs::rename(update.path(), &committed).map_err(CityError::file(&committed))?;

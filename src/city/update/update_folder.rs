@@ -28,18 +28,19 @@ impl<'a> UpdateFolder<'a> {
     /// # Errors
     /// When the folder cannot be made, or no GeoTIFF can tell the city's CRS.
     pub fn begin(place: &'a UpdateContext<'a>) -> Result<Self, CityError> {
+        let keys = GeoKeys::from_crs(place.crs)?;
         let path = place.city.folder().join(PARTIAL);
         remove_folder(&path)?;
+        let folder = Self { place, path, keys };
         for level in 0..place.city.manifest().grid.levels() {
-            let tiles = Layer::Buildings.level_path(&path, level);
+            let tiles = Layer::Buildings.level_path(&folder.path, level);
             fs::create_dir_all(&tiles).map_err(CityError::file(&tiles))?;
         }
-        let keys = GeoKeys::from_crs(place.crs)?;
-        Ok(Self { place, path, keys })
+        Ok(folder)
     }
 
     /// What is updated.
-    pub fn place(&self) -> &'a UpdateContext<'a> {
+    pub fn context(&self) -> &'a UpdateContext<'a> {
         self.place
     }
 
