@@ -212,9 +212,9 @@ fn records_are_laid_out_alike_on_both_sides() {
             "min_height" = min_height,
             "max_height" = max_height,
             "block_base" = block_base,
+            "roof_quads" = roof_quads,
             "padding_a" = padding_a,
             "padding_b" = padding_b,
-            "padding_c" = padding_c,
         ]
     );
     same_layout!(

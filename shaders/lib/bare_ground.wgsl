@@ -93,11 +93,12 @@ const CROWN_M: vec2<f32> = vec2<f32>(1.1, 2.7);
 const CROWNS: f32 = 0.72;
 // Metres from the houses that gardens reach to.
 const GARDEN_M: f32 = 10.0;
-// Reflectances of the lightest and the darkest; how steep a crown's sides are; what of the light its shadow takes, and its length by
+// Reflectances of the lightest and the darkest; how steep a crown's sides are, how far it has lobes; what of the light its shadow takes, and its length by
 // the radius at most.
-const SHRUB: vec3<f32> = vec3<f32>(0.118, 0.132, 0.058);
-const TREE: vec3<f32> = vec3<f32>(0.066, 0.092, 0.038);
-const CROWN_STEEP: f32 = 0.75;
+const SHRUB: vec3<f32> = vec3<f32>(0.148, 0.162, 0.070);
+const TREE: vec3<f32> = vec3<f32>(0.085, 0.115, 0.048);
+const CROWN_STEEP: f32 = 0.85;
+const CROWN_LOBES: f32 = 0.10;
 const CROWN_SHADE: f32 = 0.5;
 const CROWN_SHADOW: f32 = 0.9;
 // Cosines between the ray and the ground between which crowns come; widths of a pixel between which they go over to their mean, metres.
@@ -116,7 +117,15 @@ struct Crown {
     tone: f32,
 }
 
-fn disc(from_centre: vec2<f32>, edge: f32) -> f32 { return 1.0 - smoothstep(1.0 - edge, 1.0 + edge, length(from_centre)); }
+// A disc of radius 1 with five lobes, `turned` by that of a vector.
+fn lobed_disc(from_centre: vec2<f32>, edge: f32, turned: vec2<f32>) -> f32 {
+    let away = max(length(from_centre), 1.0e-3);
+    let once = from_centre / away;
+    let twice = vec2<f32>(once.x * once.x - once.y * once.y, 2.0 * once.x * once.y);
+    let four = vec2<f32>(twice.x * twice.x - twice.y * twice.y, 2.0 * twice.x * twice.y);
+    let five = vec2<f32>(four.x * once.x - four.y * once.y, four.x * once.y + four.y * once.x);
+    return 1.0 - smoothstep(1.0 - edge, 1.0 + edge, away * (1.0 + CROWN_LOBES * dot(five, turned)));
+}
 
 // The crown of the lattice's cell at a place, where its middle lies in a garden: clear of walls, streets and pavements, and by houses.
 fn crown_at(at: GroundView, settled: f32) -> Crown {
@@ -137,8 +146,9 @@ fn crown_at(at: GroundView, settled: f32) -> Crown {
     let room = 0.5 * CROWN_CELL_M / radius - 1.0 - 0.4 * (CROWN_CELL_M / radius - 2.0);
     let shadow = sun * min(0.7, min(CROWN_SHADOW, room) / max(length(sun), 1.0e-3));
     let is_there = select(0.0, seen * (1.0 - far), grows);
-    let cover = is_there * disc(from_centre, edge);
-    let shade = CROWN_SHADE * smoothstep(0.0, 0.05, frame.sun.z) * is_there * disc(from_centre + shadow, 2.0 * edge);
+    let turned = 2.0 * chance.yx - 1.0;
+    let cover = is_there * lobed_disc(from_centre, edge, turned);
+    let shade = CROWN_SHADE * smoothstep(0.0, 0.05, frame.sun.z) * is_there * lobed_disc(from_centre + shadow, 2.0 * edge, turned);
     return Crown(max(cover, seen * far * CROWNS_COVER), shade, CROWN_STEEP * cover * from_centre, chance.z);
 }
 
@@ -204,7 +214,7 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let yard = mix(mix(YARD, mix(LAWN, TUFT, 0.6 * tufts), lawn) * lightness, 0.9 * PAVEMENT * stone, apron);
     var open = mix(mix(SOIL, TUFT, tufts) * lightness, yard, settled);
     let crown = crown_at(at, settled);
-    open = mix(open * (1.0 - crown.shade), mix(SHRUB, TREE, crown.tone) * lightness, crown.cover);
+    open = mix(open * (1.0 - crown.shade), mix(SHRUB, TREE, crown.tone) * lightness * lightness, crown.cover);
     let off_street = mix(open, PAVED * stone * mix(1.0, slabs, smoothstep(SLABS.x, SLABS.y, covered)), dense);
     // Carriageway, gutter, kerb and pavement of a street; a track where few stand.
     let is_town = smoothstep(STREETS.x, STREETS.y, covered);

@@ -2,7 +2,7 @@
 
 struct TileRecord {
     // The first node of the tile's pyramid in `map_quads`: its outline vertices stand behind the nodes, its roofs before them,
-    // ROOF_QUADS records each, the first the nearest; before those this record.
+    // `roof_quads` records each, the first the nearest; before those this record.
     quad_base: u32,
     // The tile's first word in `map_words`: the facade coordinates of its vertices stand before it, the first vertex's the nearest.
     word_base: u32,
@@ -11,9 +11,10 @@ struct TileRecord {
     max_height: f32,
     // The record of its first block in `map_quads`.
     block_base: u32,
+    // Records that a roof takes: without outlines, on coarse levels, one.
+    roof_quads: u32,
     padding_a: u32,
     padding_b: u32,
-    padding_c: u32,
 }
 
 struct VertexRecord {
@@ -35,7 +36,7 @@ struct RoofRecord {
     fid: u32,
 }
 
-// What stands behind a roof's record.
+// What stands behind a roof's record on the finest level.
 struct RoofOutline {
     // Place of the first vertex of its outline, counted from the roof's; edges, 0 where they are too many for a pitched roof
     // (`pitched_roof.wgsl`); a bit for each of them that is none, but leads from one ring to the next.
@@ -59,13 +60,13 @@ fn quad_at(place: u32) -> vec4<u32> {
 
 fn slot_at(place: i32) -> TileRecord {
     let record = quad_at(u32(place));
-    let block_base = quad_at(u32(place) + 1u).x;
-    return TileRecord(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w), block_base, 0u, 0u, 0u);
+    let more = quad_at(u32(place) + 1u);
+    return TileRecord(record.x, record.y, bitcast<f32>(record.z), bitcast<f32>(record.w), more.x, more.y, 0u, 0u);
 }
 
 // A place in `map_quads`: of an outline vertex (edge e runs from vertex e to e + 1), of a roof.
 fn vertex_place(slot: TileRecord, vertex: u32) -> u32 { return slot.quad_base + frame.pyramid_nodes + vertex; }
-fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - ROOF_QUADS * (building + 1u); }
+fn roof_place(slot: TileRecord, building: u32) -> u32 { return slot.quad_base - slot.roof_quads * (building + 1u); }
 
 // What stands at such places. A roof read as a vertex tells its elevation.
 fn vertex_at(place: u32) -> VertexRecord {

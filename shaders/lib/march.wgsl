@@ -19,7 +19,7 @@ struct Hit {
     edge: u32,
     // Where on the wall, 0 at that vertex and 1 at the next; 0 on a roof and on a column.
     along: f32,
-    // Where the facade coordinates of the tile's vertices lie.
+    // Where the facade coordinates of the tile's vertices lie, 0 where it has none.
     word_base: u32,
     vertex_base: u32,
 }
@@ -111,7 +111,7 @@ fn visit_cell(code: u32, reference: vec2<f32>, slot: TileRecord, ray: Ray, start
         a = b;
         // Past the outline's last edge in this texel; `continues`: the list's next code has more of it.
         let past = edges_left == 0u && !(continues && i < count);
-        if past && meets_roof && inside && t_roof < best.t { best = Hit(t_roof, roof_place(slot, building), ROOF, 0.0, 0u, 0u); }
+        if past && meets_roof && inside && t_roof < best.t { best = Hit(t_roof, roof_place(slot, building), ROOF, 0.0, select(0u, slot.word_base, slot.roof_quads == 2u), 0u); }
         continues = continues && !past;
         continuing { break if past && i >= count; }
     }

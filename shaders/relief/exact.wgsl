@@ -42,7 +42,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> BuildingTexels {
     let base = roof.base_m - frame.eye_elevation;
     let facade = bitcast<vec3<u32>>(vec3<f32>(place.bays_per_m, base, roof.roof_m - roof.base_m));
     let normal = pack_normal(hit_normal(hit, ray));
-    let bays_or_roof = select(bitcast<u32>(place.bays), hit.roof_place, hit.edge == ROOF);
+    let bays_or_roof = select(bitcast<u32>(place.bays), hit.roof_place, hit.edge == ROOF && hit.word_base != 0u);
     let surface = vec4<u32>(bitcast<u32>(hit.t), roof.fid, bays_or_roof, normal);
     return BuildingTexels(surface, vec4<u32>(facade, roof.material));
 }

@@ -73,7 +73,7 @@ fn fs(in: TileVertex) -> BuildingTexels {
         bays_per_m = 1.0 / SEARCH_BAY_M;
         bays = (local.x + local.y) * bays_per_m;
     }
-    let bays_or_roof = select(met.roof_place, bitcast<u32>(bays), normal.z == 0.0);
+    let bays_or_roof = select(select(0u, met.roof_place, searched.roof_quads == 2u), bitcast<u32>(bays), normal.z == 0.0);
     let surface = vec4<u32>(bitcast<u32>(found.t), roof.fid, bays_or_roof, pack_normal(normal));
     let facade = bitcast<vec3<u32>>(vec3<f32>(bays_per_m, base, roof.roof_m - roof.base_m));
     return BuildingTexels(surface, vec4<u32>(facade, roof.material));

@@ -272,6 +272,11 @@ impl BuildingMap {
         self.blocks().map(|(place, block)| (place, self.codes_in(block)))
     }
 
+    /// Whether it is of the finest level and has outlines.
+    pub fn has_outlines(&self) -> bool {
+        !self.vertices.is_empty()
+    }
+
     /// The codes of a list; none of any other code.
     pub fn codes(&self, code: u32) -> &[u32] {
         match CellKind::from_code(code) {

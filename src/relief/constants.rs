@@ -12,7 +12,7 @@ use crate::material::{
     FACADE_LAYERS, FacadeBand, FacadeStyle, GROUND_LAYER, MAX_SLOPE, OWN_LAYERS, ROOF_M, RoofStyle,
     TILE_SIZE, WALL_GREY,
 };
-use crate::scene::{POOL_QUADS, POOL_WORDS, ROOF_QUADS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
+use crate::scene::{POOL_QUADS, POOL_WORDS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
 use crate::space::atmosphere::MIE_G;
 use crate::terrain::GroundBounds;
 
@@ -44,7 +44,6 @@ pub const CONSTANTS: &[Constant] = &[
     ("TEXEL_MAIN", ConstantValue::Uint(TEXEL_MAIN)),
     ("POOL_WORDS", ConstantValue::Uint(POOL_WORDS)),
     ("POOL_QUADS", ConstantValue::Uint(POOL_QUADS)),
-    ("ROOF_QUADS", ConstantValue::Uint(ROOF_QUADS as u32)),
     ("TABLE_LEVEL_SHIFT", ConstantValue::Uint(TABLE_LEVEL_SHIFT)),
     ("SKIRT_BIT", ConstantValue::Uint(SKIRT_BIT)),
     ("SKIRT_M", ConstantValue::Float(SKIRT_M)),

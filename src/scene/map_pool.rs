@@ -23,9 +23,9 @@ pub struct TileRecord {
     /// Highest roof, metres.
     pub max_height: f32,
     pub block_base: u32,
+    pub roof_quads: u32,
     pub padding_a: u32,
     pub padding_b: u32,
-    pub padding_c: u32,
 }
 
 /// Records of 16 bytes that a tile's record takes.
@@ -68,8 +68,10 @@ pub struct RoofOutline {
     pub padding: u32,
 }
 
-/// Records of 16 bytes that a roof takes.
-pub const ROOF_QUADS: usize = (size_of::<RoofRecord>() + size_of::<RoofOutline>()) / size_of::<[u32; 4]>();
+/// Records of 16 bytes that a roof of a map takes: where there are outlines it has a [`RoofOutline`].
+fn roof_quads(map: &BuildingMap) -> usize {
+    1 + usize::from(map.has_outlines())
+}
 
 /// A map that was put.
 pub struct MapPut {
@@ -148,16 +150,16 @@ impl MapPool {
                 return Err(error.into());
             }
         };
-        let quad_base = quads.first + RECORD_QUADS + (ROOF_QUADS * map.roofs.len()) as u32;
+        let quad_base = quads.first + RECORD_QUADS + (roof_quads(map) * map.roofs.len()) as u32;
         let record = TileRecord {
             quad_base,
             word_base: words.first + map.vertices.len() as u32,
             min_height: pyramid.min_height(),
             max_height: pyramid.max_height(),
             block_base: quad_base + (pyramid.nodes().len() + map.vertices.len()) as u32,
+            roof_quads: roof_quads(map) as u32,
             padding_a: 0,
             padding_b: 0,
-            padding_c: 0,
         };
         let texels = quads_of(record, tile, &device.blocks);
         self.quads.fill(gpu, &quads, &texels);
@@ -201,7 +203,7 @@ impl MapPool {
 
 fn quad_count(MapTile { map, pyramid }: &MapTile) -> usize {
     RECORD_QUADS as usize
-        + ROOF_QUADS * map.roofs.len()
+        + roof_quads(map) * map.roofs.len()
         + pyramid.nodes().len()
         + map.vertices.len()
         + map.occupied_count()
@@ -218,12 +220,13 @@ fn quads_of(record: TileRecord, MapTile { map, pyramid }: &MapTile, blocks: &[[u
             roof_m: roof.roof_m,
             fid: roof.fid,
         };
-        let vertices = (ROOF_QUADS * (index + 1) + pyramid.nodes().len()) as u32;
+        let vertices = (roof_quads(map) * (index + 1) + pyramid.nodes().len()) as u32;
         let outline = RoofOutline {
             vertex: vertices + outline.vertex,
             ..outline
         };
-        [bytemuck::cast::<_, [u32; 4]>(record), bytemuck::cast(outline)]
+        let records = [bytemuck::cast::<_, [u32; 4]>(record), bytemuck::cast(outline)];
+        records.into_iter().take(roof_quads(map))
     });
     let vertices = map.vertices.iter().map(|vertex| {
         let roof = &map.roofs[vertex.building as usize];

@@ -24,9 +24,7 @@ pub use error::SceneError;
 pub use frustum::Frustum;
 pub use imagery_pool::ImageryPool;
 pub use loader::stand_back;
-pub use map_pool::{
-    MapPool, POOL_QUADS, POOL_WORDS, ROOF_QUADS, RoofOutline, RoofRecord, TileRecord, VertexRecord,
-};
+pub use map_pool::{MapPool, POOL_QUADS, POOL_WORDS, RoofOutline, RoofRecord, TileRecord, VertexRecord};
 pub use order::nearest_first;
 pub use resident::{DEFAULT_BUDGET, PoolOptions, Resident};
 pub use skirt::{SKIRT_BIT, SKIRT_M};

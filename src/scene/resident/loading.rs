@@ -12,7 +12,7 @@ use crate::scene::{MAPS, SceneError};
 use crate::space::TileId;
 
 /// Tiles read at a time, while as many that were read are put: bounds the memory beside the pool's.
-const BATCH: usize = 16;
+const BATCH: usize = 24;
 /// A frame that goes on takes tiles for no longer than this; the others have the next one.
 const FRAME_TIME: Duration = Duration::from_millis(6);
 
