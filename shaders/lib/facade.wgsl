@@ -50,7 +50,7 @@ struct Material {
     normal: vec3<f32>,
     // The part that is glass.
     glass: f32,
-    // The part of its windows that are lit at night.
+    // The part of its windows that are lit at night, and by how much of a lamp.
     lit: f32,
 }
 
@@ -155,7 +155,8 @@ fn wall_material(code: u32, fid: u32, normal: vec3<f32>, texel: TileTexel, tile:
     let slope = tile_slope(texel.detail);
     material.normal = normalize(normal - along * slope.x - vec3<f32>(0.0, 0.0, slope.y));
     material.glass = texel.colour.a;
-    material.lit = tile.lit;
+    // Curtains glow.
+    material.lit = tile.lit * clamp(0.5 + 8.0 * texel.colour.g, 0.5, 1.6);
     return material;
 }
 

@@ -217,8 +217,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> Shaded {
     var radiance = material.albedo / PI * (sun + sky);
     if material.glass > 0.0 {
         let pane = mirrored(direction, material.normal, place.z - above_base, in_sun);
-        // Curtains glow.
-        let lamp = LAMP * material.lit * night() * clamp(0.5 + 8.0 * material.albedo.g, 0.5, 1.6);
+        let lamp = LAMP * material.lit * night();
         radiance = mix(radiance, pane.radiance + pane.passes * (radiance + lamp), material.glass);
     }
     return Shaded(vec4<f32>(through_air(radiance, air, direction, t), 1.0), t, id);
