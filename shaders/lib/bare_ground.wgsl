@@ -93,8 +93,8 @@ const CROWN_M: vec2<f32> = vec2<f32>(1.1, 2.7);
 const CROWNS: f32 = 0.72;
 // Metres from the houses that gardens reach to.
 const GARDEN_M: f32 = 10.0;
-// Reflectances of the lightest and the darkest; how steep a crown's sides are, how far it has lobes; what of the light its shadow takes, and its length by
-// the radius at most.
+// Reflectances of the lightest and the darkest; how steep a crown's sides are, how far it has lobes; what of the light its shadow takes,
+// and its length by the radius at most.
 const SHRUB: vec3<f32> = vec3<f32>(0.148, 0.162, 0.070);
 const TREE: vec3<f32> = vec3<f32>(0.085, 0.115, 0.048);
 const CROWN_STEEP: f32 = 0.85;
