@@ -95,14 +95,14 @@ fn guessed_streets_are_where_the_photos_show_some() {
         let at = middle + 4.0 * (DVec2::new(f64::from(k % 250), f64::from(k / 250)) - 124.7);
         let Some(cell) = streets.cell_at(at) else { continue };
         // Within the town, not under a building.
-        if cell[3] < 5 || !is_built_up(&footprints, at) {
+        if cell[2] < 5 || !is_built_up(&footprints, at) {
             continue;
         }
         let asphalt = photos
             .iter()
             .find_map(|photo| photo.is_asphalt(at))
             .unwrap_or(false);
-        let carriageway = streets.has_carriageway(at).unwrap();
+        let carriageway = streets.kerb_at(at).unwrap()[0] > 0.0;
         places += 1;
         guessed += i32::from(carriageway);
         shown += i32::from(asphalt);

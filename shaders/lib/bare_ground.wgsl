@@ -14,8 +14,6 @@ const ASPHALT: vec3<f32> = vec3<f32>(0.138, 0.138, 0.139);
 const PAVEMENT: vec3<f32> = vec3<f32>(0.262, 0.257, 0.243);
 const KERB: vec3<f32> = vec3<f32>(0.330, 0.324, 0.308);
 const TRACK: vec3<f32> = vec3<f32>(0.285, 0.262, 0.215);
-// The land beyond the survey, of which nothing is known.
-const OPEN_LAND: vec3<f32> = vec3<f32>(0.258, 0.260, 0.194);
 // Coverages between which open land goes over to yards, and yards to paving.
 const YARDS: vec2<f32> = vec2<f32>(0.05, 0.12);
 const PAVING: vec2<f32> = vec2<f32>(0.26, 0.42);
@@ -47,6 +45,10 @@ const BROAD_TO_M: vec2<f32> = vec2<f32>(0.08, 0.3);
 const BLOTCHES_TO_M: vec2<f32> = vec2<f32>(0.2, 0.7);
 const PATCHES: f32 = 45.0;
 const PATCHES_TO_M: vec2<f32> = vec2<f32>(3.0, 9.0);
+const REGIONS: f32 = 310.0;
+const REGIONS_TO_M: vec2<f32> = vec2<f32>(20.0, 60.0);
+// Regions by patches.
+const REGIONAL: f32 = 0.8;
 // How far patches move the lightness of open land, and its tufts.
 const PATCHED: f32 = 0.30;
 const PATCHED_TUFTS: f32 = 0.9;
@@ -136,7 +138,7 @@ fn crown_at(at: GroundView, settled: f32) -> Crown {
     let from_centre = (at.plan - centre) / radius;
     let garden = street_at(at.at - from_centre * radius);
     let is_clear = garden.from_building > 0.7 * radius && garden.from_building < GARDEN_M;
-    let is_aside = garden.certainty < 0.3 || garden.from_kerb < -garden.pavement - radius;
+    let is_aside = garden.from_kerb < -garden.pavement - radius;
     let grows = is_clear && is_aside && fract(7.3 * (chance.x + chance.y)) < CROWNS;
     let seen = garden.known * settled * smoothstep(CROWNS_FROM_ABOVE.x, CROWNS_FROM_ABOVE.y, at.facing);
     let far = smoothstep(CROWNS_TO_M.x, CROWNS_TO_M.y, at.size);
@@ -179,6 +181,28 @@ struct GroundView {
     size: f32,
 }
 
+// Of the whole tile: its last level is one texel.
+fn mean_ground() -> vec4<f32> {
+    return textureLoad(facade_colour, vec2<i32>(0), GROUND_LAYER, textureNumLevels(facade_colour) - 1u);
+}
+
+// How much more than the mean grows in the patches of open land, and in the regions that they lie in.
+fn land_patches(plan: vec2<f32>, size: f32, mean: vec4<f32>) -> f32 {
+    let aside = vec2<f32>(0.28 * plan.x + 0.96 * plan.y, 0.28 * plan.y - 0.96 * plan.x) / PATCHES;
+    let patch_tile = tile_colour(TilePlace(GROUND_LAYER, aside / ROOF_M, vec2<f32>(size / PATCHES) / ROOF_M));
+    let askew = vec2<f32>(0.6 * plan.x + 0.8 * plan.y, 0.6 * plan.y - 0.8 * plan.x) / REGIONS;
+    let region_tile = tile_colour(TilePlace(GROUND_LAYER, askew / ROOF_M, vec2<f32>(size / REGIONS) / ROOF_M));
+    return (patch_tile.b - mean.b) * (1.0 - smoothstep(PATCHES_TO_M.x, PATCHES_TO_M.y, size))
+        + REGIONAL * (region_tile.b - mean.b) * (1.0 - smoothstep(REGIONS_TO_M.x, REGIONS_TO_M.y, size));
+}
+
+// Reflectance of open land far away, as beyond the survey, of which nothing is known.
+fn open_land(plan: vec2<f32>, size: f32) -> vec3<f32> {
+    let mean = mean_ground();
+    let patches = land_patches(plan, size, mean);
+    return mix(SOIL, TUFT, clamp(mean.g + PATCHED_TUFTS * patches, 0.0, 1.0)) * (1.0 + PATCHED * patches);
+}
+
 // `tile`: the tile at `ground_tile`; `has_plan`: streets are drawn, what lies between them is not paved.
 fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let plan = at.plan;
@@ -186,15 +210,12 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     // The same tile larger, turned so that its repetition is not seen. Channels: `src/material/ground_painter.rs`.
     let turned = vec2<f32>(0.8 * plan.x - 0.6 * plan.y, 0.6 * plan.x + 0.8 * plan.y) / BROAD;
     let broad_tile = tile_colour(TilePlace(GROUND_LAYER, turned / ROOF_M, vec2<f32>(size / BROAD) / ROOF_M));
-    // Of the whole tile: its last level is one texel.
-    let mean = textureLoad(facade_colour, vec2<i32>(0), GROUND_LAYER, textureNumLevels(facade_colour) - 1u);
+    let mean = mean_ground();
     let near = 1.0 - smoothstep(FINE_TO_M.x, FINE_TO_M.y, size);
     let fine = mix(mean, tile.colour, near);
     let broad = mix(broad_tile, mean, smoothstep(BROAD_TO_M.x, BROAD_TO_M.y, size));
     let blotch = (broad_tile.b - mean.b) * (1.0 - smoothstep(BLOTCHES_TO_M.x, BLOTCHES_TO_M.y, size));
-    let aside = vec2<f32>(0.28 * plan.x + 0.96 * plan.y, 0.28 * plan.y - 0.96 * plan.x) / PATCHES;
-    let patch_tile = tile_colour(TilePlace(GROUND_LAYER, aside / ROOF_M, vec2<f32>(size / PATCHES) / ROOF_M));
-    let patches = (patch_tile.b - mean.b) * (1.0 - smoothstep(PATCHES_TO_M.x, PATCHES_TO_M.y, size));
+    let patches = land_patches(plan, size, mean);
     let lightness = fine.a * broad.a / (mean.a * mean.a) * (1.0 + PATCHED * patches);
     let place = plan / (vec2<f32>(frame.grid) * frame.tile_m);
     let covered = textureSampleLevel(site_coverage, imagery_sampler, place, 0, 0.0).r + RAGGED * blotch;
@@ -226,7 +247,7 @@ fn bare_ground(at: GroundView, tile: TileTexel, has_plan: bool) -> BareGround {
     let asphalt = ASPHALT * mix(1.0, GUTTER, gutter) * mix(1.0, stone, ASPHALT_GRAIN);
     let surface = mix(TRACK * stone, mix(beside, asphalt, carriageway), is_town);
     let pavement = smoothstep(-street.pavement - edge, -street.pavement + edge, street.from_kerb);
-    let on_street = street.known * street.certainty * mix(TRACK_PART * carriageway, pavement, is_town);
+    let on_street = street.known * mix(TRACK_PART * carriageway, pavement, is_town);
     let albedo = mix(off_street, surface, select(on_street, 0.0, has_plan));
     let lines = mix(1.0, ON_YARDS, settled) * (1.0 - dense) * (1.0 - on_street) * smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, at.facing);
     let slope = near * tile_slope(tile.detail);

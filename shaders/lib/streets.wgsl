@@ -1,7 +1,6 @@
 // Streets as guessed from the gaps between buildings. Host: src/relief/streets/mod.rs.
 
-// Clearances, metres, of the widest way through a cell and of that way's middle, how sure it is that it is a street, the cell's own
-// clearance; a layer a level.
+// Metres from the kerb, half the way between the street's fronts, metres from the nearest building; a layer a level.
 @group(2) @binding(14) var streets: texture_2d_array<f32>;
 
 // Part of its reach at which a street of the coarsest level begins to fade.
@@ -13,8 +12,6 @@ const GARDENS_FROM_M: vec2<f32> = vec2<f32>(4.2, 5.4);
 struct StreetPlace {
     // How far the streets are known here, 0 or 1 and between where the coarsest level ends.
     known: f32,
-    // How sure it is that a street runs here.
-    certainty: f32,
     // Metres from the kerb, larger on the carriageway.
     from_kerb: f32,
     // Width of the pavement, metres.
@@ -29,14 +26,12 @@ fn street_at(at: vec2<f32>) -> StreetPlace {
     let half = 0.5 * f32(STREET_CELLS) * frame.street_grid.z;
     let away = max(abs(offset.x), abs(offset.y)) + STREET_BORDER_M;
     let level = max(ceil(log2(away / half)), 0.0);
-    if level >= frame.street_grid.w { return StreetPlace(0.0, 0.0, 0.0, PAVEMENT_M, FAR); }
+    if level >= frame.street_grid.w { return StreetPlace(0.0, -FAR, PAVEMENT_M, FAR); }
     let uv = offset / (f32(STREET_CELLS) * frame.street_grid.z * exp2(level)) + 0.5;
     let cell = textureSampleLevel(streets, imagery_sampler, uv, frame.street_layer + u32(level), 0.0);
     let reach = half * exp2(frame.street_grid.w - 1.0);
     let known = 1.0 - smoothstep(STREETS_FADE * reach, reach, away);
-    let middle = cell.y;
-    let is_street = smoothstep(STREET_FROM_M.x, STREET_FROM_M.y, middle) * (1.0 - smoothstep(STREET_TO_M.x, STREET_TO_M.y, middle));
-    let kerb = max(PAVEMENT_PART * middle, middle - CARRIAGEWAY_M);
-    let pavement = mix(kerb, PAVEMENT_M, smoothstep(GARDENS_FROM_M.x, GARDENS_FROM_M.y, kerb));
-    return StreetPlace(known, is_street * cell.z, cell.x - kerb, pavement, cell.w);
+    let to_houses = cell.y - min(CARRIAGEWAY_PART * cell.y, CARRIAGEWAY_M);
+    let pavement = mix(to_houses, PAVEMENT_M, smoothstep(GARDENS_FROM_M.x, GARDENS_FROM_M.y, to_houses));
+    return StreetPlace(known, cell.x, pavement, cell.z);
 }

@@ -142,9 +142,11 @@ fn meets_sky(direction: vec3<f32>) -> bool { return direction.z >= 0.0 || frame.
 fn beyond(direction: vec3<f32>, air: vec3<f32>) -> vec3<f32> {
     if meets_sky(direction) { return air + sun_disc(direction); }
     let up = vec3<f32>(0.0, 0.0, 1.0);
-    let land = select(OPEN_LAND, LAND, has_orthophotos());
+    let t = frame.min_ground / direction.z;
+    let size = pixel_size(t * frame.pixel_angle, direction.z);
+    let land = select(open_land(plan_of(t * direction.xy), size), LAND, has_orthophotos());
     let light = sky_irradiance(up) + frame.sun_irradiance.xyz * max(frame.sun.z, 0.0);
-    return through_air(land / PI * light, air, direction, frame.min_ground / direction.z);
+    return through_air(land / PI * light, air, direction, t);
 }
 
 @fragment

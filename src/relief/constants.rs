@@ -2,9 +2,7 @@
 
 use super::search_parameters::SEARCH_BAY_M;
 use super::settings::Layers;
-use super::streets::{
-    CARRIAGEWAY_M, PAVEMENT_PART, STREET_BORDER_M, STREET_CELLS, STREET_FROM_M, STREET_TO_M,
-};
+use super::streets::{CARRIAGEWAY_M, CARRIAGEWAY_PART, STREET_BORDER_M, STREET_CELLS};
 use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
 use crate::gpu::{Constant, ConstantValue};
@@ -68,9 +66,7 @@ pub const CONSTANTS: &[Constant] = &[
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
     ("SUN_CELLS", ConstantValue::Int(SUN_CELLS as i32)),
     ("SUN_BORDER", ConstantValue::Float(SUN_BORDER as f32)),
-    ("STREET_FROM_M", ConstantValue::Float2(STREET_FROM_M)),
-    ("STREET_TO_M", ConstantValue::Float2(STREET_TO_M)),
-    ("PAVEMENT_PART", ConstantValue::Float(PAVEMENT_PART)),
+    ("CARRIAGEWAY_PART", ConstantValue::Float(CARRIAGEWAY_PART)),
     ("CARRIAGEWAY_M", ConstantValue::Float(CARRIAGEWAY_M)),
     ("STREET_CELLS", ConstantValue::Int(STREET_CELLS as i32)),
     ("STREET_BORDER_M", ConstantValue::Float(STREET_BORDER_M as f32)),

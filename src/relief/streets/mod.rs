@@ -1,13 +1,14 @@
 //! Where streets run, guessed from the gaps between buildings, for ground that no survey tells anything of: a street is a gap that a long
-//! straight segment fits through. Of the clearance to the nearest building the openings by such segments are taken (`opening`); the
-//! highest is the clearance of the widest way through a place, and where it falls off on both sides the way's kerbs run, as straight as
-//! the segments. Ways that lead everywhere are open land.
+//! straight segment fits through. Of the clearance to the nearest building the openings by such segments are taken (`opening`); where
+//! one is high, a strip of even width is laid along the middle between the fronts (`strips`). Ways that lead everywhere are open land.
 //!
 //! Levels of doubled cells lie round the eye, on a lattice that stays where it is as the eye moves.
 //! The shader's part is `shaders/lib/streets.wgsl`.
 
 mod clearance;
+mod fronts;
 mod opening;
+mod strips;
 mod texture;
 
 use std::sync::Arc;
@@ -16,7 +17,9 @@ use glam::{DVec2, Vec4};
 use rayon::prelude::*;
 
 use self::clearance::{CLEARANCE_STEP_M, MAX_CLEARANCE_M, clearances};
-use self::opening::{Opened, Raster};
+use self::fronts::Fronts;
+use self::opening::Raster;
+use self::strips::{KERB_STEP_M, OUTSIDE_M, Ways};
 use crate::buildings::FootprintMask;
 use crate::space::{TileGrid, TileId};
 
@@ -30,28 +33,30 @@ pub const STREET_LEVELS: usize = 3;
 const CELL_M: f64 = 2.0;
 /// Metres at a level's border that belong to the next one: as far as what lies beyond it would change a cell. Shaders have it as
 /// `STREET_BORDER_M`.
-pub const STREET_BORDER_M: f64 =
-    SEGMENT_M + MAX_CLEARANCE_M + ROUND_M + MIDDLE_M + EVEN_M + CELL_M * (4 << (STREET_LEVELS - 1)) as f64;
-/// Clearances of a street's middle, metres, between which a way comes to be a street, and a street goes over to open land; what of a
-/// street's half the pavements take at least; half the carriageway's width at most, metres. Shaders have them.
-pub const STREET_FROM_M: [f32; 2] = [2.3, 3.1];
-pub const STREET_TO_M: [f32; 2] = [18.0, 24.0];
-pub const PAVEMENT_PART: f32 = 0.46;
-pub const CARRIAGEWAY_M: f32 = 4.2;
+pub const STREET_BORDER_M: f64 = SEGMENT_M
+    + MAX_CLEARANCE_M
+    + WIDEST_M[1] as f64
+    + EVEN_OPEN_M
+    + CELL_M * (4 << (STREET_LEVELS - 1)) as f64;
+/// Half a carriageway's width by half the way between the fronts, and at most, metres. Shaders have them.
+pub const CARRIAGEWAY_PART: f32 = 0.80;
+pub const CARRIAGEWAY_M: f32 = 5.6;
+/// Directions of streets that are told apart.
+const DIRECTIONS: u32 = 32;
+/// Of them coarser levels look at every so many: their segments have fewer cells.
+const COARSER_STEP: u32 = 2;
+/// Halves of the way between fronts between which a street goes over to open land, metres.
+const WIDEST_M: [f32; 2] = [19.0, 23.0];
 /// The centre lies on a lattice of this width, metres: a multiple of the coarsest level's cells.
 const LATTICE_M: f64 = 64.0;
-/// Length of a segment that a street holds, metres, and the directions that are tried.
+/// Length of a segment that a street holds, metres.
 const SEGMENT_M: f64 = 75.0;
-const DIRECTIONS: u32 = 32;
-/// Metres on each side within which the middle of a street is looked for, and over which it is evened out.
-const MIDDLE_M: f64 = 10.0;
-const EVEN_M: f64 = 10.0;
-/// Metres on each side over which corners are rounded.
-const ROUND_M: f64 = 4.0;
 /// By how much of their widest the ways of all directions are clear on average: between these a street goes over to open land.
 const OPEN: [f64; 2] = [0.40, 0.62];
 /// Metres over which that is evened out.
 const EVEN_OPEN_M: f64 = 8.0;
+/// Metres on each side over which corners are rounded.
+const ROUND_M: f64 = 2.0;
 
 /// The ground that buildings stand on round the eye, held apart from the tiles so that streets can be guessed beside the frames.
 #[derive(Clone, Debug)]
@@ -87,9 +92,9 @@ impl Footprints {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Streets {
     centre: DVec2,
-    /// Rows from the south; of each cell the clearance of the widest way through it, that of the way's middle, how sure it is that it is
-    /// a street, the clearance of the place itself. Clearances in steps of [`clearance::CLEARANCE_STEP_M`].
-    levels: Vec<Vec<[u8; 4]>>,
+    /// Rows from the south; of each cell its place by the kerb and half the way between the street's fronts ([`strips::StripPlace`]), and
+    /// the clearance in steps of [`clearance::CLEARANCE_STEP_M`].
+    levels: Vec<Vec<[u8; 3]>>,
 }
 
 impl Streets {
@@ -108,29 +113,28 @@ impl Streets {
     pub fn new(footprints: &Footprints, centre: DVec2) -> Self {
         let level = |level: usize| {
             let cell_m = level_cell_m(level);
-            let cells = |metres: f64| (metres / cell_m).round().max(1.0);
-            let clear = clearances(&covered(footprints, centre, cell_m), cell_m);
-            let Opened { highest, sum } = clear.opened_by_lines(SEGMENT_M / cell_m, DIRECTIONS);
-            let openness = (highest.iter().zip(&sum))
-                .map(|(&highest, &sum)| street_certainty(highest, sum))
+            let covered = covered(footprints, centre, cell_m);
+            let clear = clearances(&covered, cell_m);
+            let opened = clear.opened_by_lines(SEGMENT_M / cell_m, DIRECTIONS, COARSER_STEP.min(1 << level));
+            let certain = (opened.highest.iter().zip(&opened.sum))
+                .map(|(&highest, &sum)| street_certainty(highest, sum, opened.by_direction.len()))
                 .collect();
             let raster = |values: Vec<u8>| Raster {
                 side: STREET_CELLS,
                 values,
             };
-            let certain = raster(openness).mean_within(cells(EVEN_OPEN_M) as usize);
-            let ways = rounded(raster(highest), (ROUND_M / cell_m).round() as usize);
-            let middles = ways
-                .highest_within(cells(MIDDLE_M) as i64)
-                .mean_within(cells(EVEN_M) as usize);
-            let texel = |k: usize| {
-                [
-                    ways.values[k],
-                    middles.values[k],
-                    certain.values[k],
-                    clear.values[k],
-                ]
-            };
+            let strips = Ways {
+                clear: &clear,
+                opened: &opened,
+                certain: &raster(certain).mean_within((EVEN_OPEN_M / cell_m).round() as usize),
+                fronts: &Fronts::new(&covered, cell_m),
+                cell_m,
+                step_m: CLEARANCE_STEP_M as f32,
+            }
+            .strips();
+            let from_kerb = raster(strips.iter().map(|place| place.from_kerb).collect());
+            let from_kerb = from_kerb.mean_within((ROUND_M / cell_m) as usize);
+            let texel = |k: usize| [from_kerb.values[k], strips[k].half, clear.values[k]];
             (0..STREET_CELLS * STREET_CELLS).map(texel).collect()
         };
         Self {
@@ -140,7 +144,7 @@ impl Streets {
     }
 
     /// The cell that a point lies in, of the finest level that reaches there.
-    pub fn cell_at(&self, point: DVec2) -> Option<[u8; 4]> {
+    pub fn cell_at(&self, point: DVec2) -> Option<[u8; 3]> {
         let offset = point - self.centre;
         let half = 0.5 * STREET_CELLS as f64;
         let reaches =
@@ -152,13 +156,10 @@ impl Streets {
             .copied()
     }
 
-    /// Whether a carriageway is drawn at a point, as far as its cell tells: by more than half, as `street_at` of the shader has it.
-    pub fn has_carriageway(&self, point: DVec2) -> Option<bool> {
-        let [way, middle, certainty, _] = self.cell_at(point)?;
-        let [way, middle] = [way, middle].map(|steps| (f64::from(steps) * CLEARANCE_STEP_M) as f32);
-        let [from, to] = [STREET_FROM_M, STREET_TO_M].map(|ends| 0.5 * (ends[0] + ends[1]));
-        let kerb = (PAVEMENT_PART * middle).max(middle - CARRIAGEWAY_M);
-        Some((from..to).contains(&middle) && certainty > 127 && way > kerb)
+    /// Metres from the kerb at a point, as its cell tells, larger on the carriageway, and half the way between the street's fronts.
+    pub fn kerb_at(&self, point: DVec2) -> Option<[f64; 2]> {
+        let [from_kerb, half, ..] = self.cell_at(point)?.map(f64::from);
+        Some([from_kerb * KERB_STEP_M - OUTSIDE_M, half * CLEARANCE_STEP_M])
     }
 
     /// What shaders take, for an eye in plan: the centre from the eye, the side of a cell, the number of levels.
@@ -168,7 +169,7 @@ impl Streets {
     }
 
     /// The cells of the levels, the finest first.
-    pub fn levels(&self) -> &[Vec<[u8; 4]>] {
+    pub fn levels(&self) -> &[Vec<[u8; 3]>] {
         &self.levels
     }
 }
@@ -177,23 +178,9 @@ fn level_cell_m(level: usize) -> f64 {
     CELL_M * f64::from(1_u32 << level)
 }
 
-/// Ways without the corners that segments leave, where they are wide: a mean would close a narrow one.
-fn rounded(ways: Raster, radius: usize) -> Raster {
-    /// Clearances between which that begins.
-    const WIDE: [f32; 2] = [40.0, 80.0];
-    let mean = ways.mean_within(radius);
-    let value = |(&way, &mean): (&u8, &u8)| {
-        let [way, mean] = [way, mean].map(f32::from);
-        let part = ((way - WIDE[0]) / (WIDE[1] - WIDE[0])).clamp(0.0, 1.0);
-        (way + part * (mean - way)).round() as u8
-    };
-    let values = ways.values.iter().zip(&mean.values).map(value).collect();
-    Raster { values, ..ways }
-}
-
 /// How sure it is that the widest way through a place is a street's, 0 to 255, by the ways of all directions.
-fn street_certainty(highest: u8, sum: u16) -> u8 {
-    let mean = f64::from(sum) / f64::from(DIRECTIONS);
+fn street_certainty(highest: u8, sum: u16, directions: usize) -> u8 {
+    let mean = f64::from(sum) / directions as f64;
     let part = (mean / f64::from(highest.max(1)) - OPEN[0]) / (OPEN[1] - OPEN[0]);
     (255.0 * (1.0 - part.clamp(0.0, 1.0))) as u8
 }
@@ -286,38 +273,56 @@ mod tests {
     }
 
     #[test]
-    fn streets_are_found_however_they_run_and_yards_and_open_land_are_none() {
+    fn kerbs_run_straight_along_streets_and_yards_and_open_land_have_none() {
         for angle in [0.0, 0.17, 0.5, 0.8, 1.3] {
             let found = streets(&town(angle, false), middle());
             let at = |x: f64, y: f64| {
                 found
-                    .cell_at(middle() + DVec2::from_angle(angle).rotate(DVec2::new(x, y)))
+                    .kerb_at(middle() + DVec2::from_angle(angle).rotate(DVec2::new(x, y)))
                     .unwrap()
             };
             let period = BLOCK_M + STREET_M;
-            for k in -3..3 {
-                let along = f64::from(k) * period + STREET_M + 0.5 * BLOCK_M;
-                for [x, y] in [[along, 0.5 * STREET_M + period], [0.5 * STREET_M - period, along]] {
-                    let [way, middle, certainty, _] = at(x, y);
-                    let [way, middle] = [way, middle].map(|tenths| f64::from(tenths) * CLEARANCE_STEP_M);
-                    let half = 0.5 * STREET_M;
-                    assert!((half - 3.5..=half + 1.5).contains(&way), "{angle} {x} {y}: {way}");
-                    assert!((middle - way).abs() <= 2.5, "{angle} {x} {y}: {way} {middle}");
-                    assert!(certainty > 180, "{angle} {x} {y}: {certainty}");
+            let widest = f64::from(CARRIAGEWAY_M);
+            let (mut places, mut straight) = (0, 0);
+            for k in 0..360 {
+                // Along both of the streets that cross in the middle, past gaps and the mouths of others.
+                let along = f64::from(k) - 180.0;
+                for aside in [-6.0, -3.0, 0.0, 3.0, 6.0] {
+                    let in_mouth = (along - 0.5 * STREET_M).rem_euclid(period);
+                    let is_mouth = in_mouth.min(period - in_mouth) < 0.5 * STREET_M + 4.0;
+                    for [x, y] in [[along, 0.5 * STREET_M + aside], [0.5 * STREET_M + aside, along]] {
+                        let [from_kerb, half] = at(x, y);
+                        if is_mouth {
+                            assert!(
+                                from_kerb > widest - aside.abs() - 2.0,
+                                "{angle} {x} {y}: {from_kerb}"
+                            );
+                            continue;
+                        }
+                        places += 1;
+                        // The place is its cell's, up to 1.4 m away.
+                        straight += i32::from((from_kerb - (widest - aside.abs())).abs() < 1.8);
+                        // Mouths and gaps count as fronts farther away.
+                        assert!(
+                            (0.5 * STREET_M - 1.5..0.5 * STREET_M + 3.5).contains(&half),
+                            "{angle} {x} {y}: {half}"
+                        );
+                    }
                 }
-                // In a yard no long way leads.
-                let [way, ..] = at(
-                    f64::from(k) * period + STREET_M + 0.5 * BLOCK_M,
-                    period + STREET_M + 0.5 * BLOCK_M,
-                );
-                assert!(way <= 22, "{angle} {k}: {way}");
+            }
+            assert!(
+                places > 2000 && f64::from(straight) > 0.99 * f64::from(places),
+                "{angle}: {straight} of {places}"
+            );
+            // In a yard no long way leads, and open land leads everywhere.
+            for k in -3..3 {
+                let yard = STREET_M + 0.5 * BLOCK_M;
+                let [from_kerb, _] = at(f64::from(k) * period + yard, period + yard);
+                assert!(from_kerb < -1.0, "{angle} {k}: {from_kerb}");
             }
             for [x, y] in [[0.0, 460.0], [470.0, -120.0], [-455.0, 455.0]] {
-                let [_, middle, ..] = at(x, y);
-                assert!(
-                    f64::from(middle) * CLEARANCE_STEP_M > 24.0,
-                    "{angle} {x} {y}: {middle}"
-                );
+                let [from_kerb, _] = at(x, y);
+                assert!(from_kerb < -1.0, "{angle} {x} {y}: {from_kerb}");
             }
         }
     }

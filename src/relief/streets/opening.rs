@@ -1,5 +1,5 @@
 //! Grey-scale morphology on a square raster of bytes: openings by line segments (Soille & Talbot 2001, "Directional morphological
-//! filtering", IEEE PAMI 23(11), section 2), maxima and means of squares.
+//! filtering", IEEE PAMI 23(11), section 2), and means of squares.
 
 use rayon::prelude::*;
 
@@ -12,47 +12,42 @@ pub struct Raster {
     pub values: Vec<u8>,
 }
 
-/// What openings by segments of one length in all directions leave.
+/// What openings by segments of one length leave.
 pub struct Opened {
-    /// The highest of them: the largest value that a segment through the cell stays at or above.
+    /// By the number of its direction, from along x on: the largest value that a segment through the cell stays at or above.
+    pub by_direction: Vec<(u32, Vec<u8>)>,
+    /// The highest of them.
     pub highest: Vec<u8>,
     /// Their sum.
     pub sum: Vec<u16>,
 }
 
 impl Raster {
-    /// Opened by segments of `length` cells in `directions` directions.
-    pub fn opened_by_lines(&self, length: f64, directions: u32) -> Opened {
-        let none = || {
-            let opened = Opened {
-                highest: vec![0; self.values.len()],
-                sum: vec![0; self.values.len()],
-            };
-            (opened, Scratch::from_raster(self))
-        };
-        let add = |(mut all, mut scratch): (Opened, Scratch), direction: u32| {
+    /// Opened by segments of `length` cells in every `step`th of `directions` directions.
+    pub fn opened_by_lines(&self, length: f64, directions: u32, step: u32) -> Opened {
+        let opened = |scratch: &mut Scratch, direction: u32| {
             let angle = std::f64::consts::PI * f64::from(direction) / f64::from(directions);
-            self.opened_by_line((length, angle), &mut scratch);
-            for ((highest, sum), value) in all.highest.iter_mut().zip(&mut all.sum).zip(&scratch.now.values) {
-                *highest = (*highest).max(*value);
-                *sum += u16::from(*value);
-            }
-            (all, scratch)
+            self.opened_by_line((length, angle), scratch);
+            (direction, scratch.now.values.clone())
         };
-        let join = |(mut all, scratch): (Opened, Scratch), (other, _): (Opened, Scratch)| {
-            for (a, b) in all.highest.iter_mut().zip(other.highest) {
-                *a = (*a).max(b);
-            }
-            for (a, b) in all.sum.iter_mut().zip(other.sum) {
-                *a += b;
-            }
-            (all, scratch)
-        };
-        // A few pieces: each has rasters of its own.
-        let pieces = (0..directions)
+        let by_direction: Vec<(u32, Vec<u8>)> = (0..directions / step)
             .into_par_iter()
-            .with_min_len(directions as usize / 4);
-        pieces.fold(none, add).reduce_with(join).unwrap_or_else(none).0
+            .map(|number| number * step)
+            .map_init(|| Scratch::from_raster(self), opened)
+            .collect();
+        let mut highest = vec![0; self.values.len()];
+        let mut sum = vec![0; self.values.len()];
+        for (_, values) in &by_direction {
+            for ((highest, sum), &value) in highest.iter_mut().zip(&mut sum).zip(values) {
+                *highest = value.max(*highest);
+                *sum += u16::from(value);
+            }
+        }
+        Opened {
+            by_direction,
+            highest,
+            sum,
+        }
     }
 
     /// Eroded, then dilated by a segment, whose cells lie on a digital line.
@@ -87,15 +82,6 @@ impl Raster {
                 *value = op(*own, *other);
             }
         }
-    }
-
-    /// The highest within `radius` cells along both axes.
-    pub fn highest_within(&self, radius: i64) -> Self {
-        let mut scratch = Scratch::from_raster(self);
-        for way in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
-            scratch.along(radius + 1, way, u8::max);
-        }
-        scratch.now
     }
 
     /// The mean of the square of `radius` cells round each cell; the raster's border counts on beyond it.
@@ -180,7 +166,7 @@ mod tests {
         // Corridors along x, three cells wide: one through the raster, one of 12 cells.
         let open =
             |x: usize, y: usize| (9..12).contains(&y) || ((30..33).contains(&y) && (20..32).contains(&x));
-        let opened = raster(48, |x, y| if open(x, y) { 80 } else { 5 }).opened_by_lines(20.0, 16);
+        let opened = raster(48, |x, y| if open(x, y) { 80 } else { 5 }).opened_by_lines(20.0, 16, 1);
         let at = |x: usize, y: usize| opened.highest[y * 48 + x];
         assert!((0..48).all(|x| at(x, 10) == 80));
         assert!((20..32).all(|x| at(x, 31) == 5));
@@ -201,13 +187,10 @@ mod tests {
     }
 
     #[test]
-    fn squares_have_their_highest_and_their_mean() {
+    fn a_mean_is_of_a_square() {
         let point = raster(21, |x, y| if (x, y) == (10, 10) { 250 } else { 0 });
-        let highest = point.highest_within(3);
-        let mean = point.mean_within(2);
-        for (k, (high, mean)) in highest.values.iter().zip(&mean.values).enumerate() {
+        for (k, mean) in point.mean_within(2).values.iter().enumerate() {
             let far = (k % 21).abs_diff(10).max((k / 21).abs_diff(10));
-            assert_eq!(*high, if far <= 3 { 250 } else { 0 }, "{k}");
             assert_eq!(*mean, if far <= 2 { 10 } else { 0 }, "{k}");
         }
     }

@@ -6,6 +6,7 @@ use glam::{DVec2, Vec4};
 use half::f16;
 
 use super::clearance::CLEARANCE_STEP_M;
+use super::strips::{KERB_STEP_M, OUTSIDE_M};
 use super::{Footprints, STREET_CELLS, STREET_LEVELS, Streets};
 use crate::gpu::{Gpu, GpuError, LayerPool};
 use crate::relief::beside_frames::BesideFrames;
@@ -177,13 +178,16 @@ impl StreetsTexture {
     }
 }
 
-/// Clearances in metres, certainty from 0 to 1. Of more digits than the cells have, because kerbs run where they are interpolated.
-fn texels(cells: &[[u8; 4]]) -> Vec<[f16; 4]> {
-    let table = |unit: f64| -> [f16; 256] { std::array::from_fn(|byte| f16::from_f64(byte as f64 * unit)) };
-    let (metres, part) = (table(CLEARANCE_STEP_M), table(1.0 / 255.0));
-    let texel = |[way, middle, certainty, clear]: [u8; 4]| {
-        let [way, middle, clear] = [way, middle, clear].map(|byte| metres[usize::from(byte)]);
-        [way, middle, part[usize::from(certainty)], clear]
+/// Metres from the kerb, half the way between fronts, clearance. Of more digits than the cells have, because kerbs run where they are
+/// interpolated.
+fn texels(cells: &[[u8; 3]]) -> Vec<[f16; 4]> {
+    let table = |from: f64, step: f64| -> [f16; 256] {
+        std::array::from_fn(|byte| f16::from_f64(from + byte as f64 * step))
     };
-    cells.iter().copied().map(texel).collect()
+    let (kerbs, metres) = (table(-OUTSIDE_M, KERB_STEP_M), table(0.0, CLEARANCE_STEP_M));
+    let texel = |&[from_kerb, half, clear]: &[u8; 3]| {
+        let [half, clear] = [half, clear].map(|byte| metres[usize::from(byte)]);
+        [kerbs[usize::from(from_kerb)], half, clear, f16::ZERO]
+    };
+    cells.iter().map(texel).collect()
 }
