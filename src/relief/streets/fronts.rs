@@ -138,7 +138,9 @@ impl FrontSums {
 
     /// The nearest number of cells to metres across the way.
     pub fn cells_across(&self, metres: f32) -> isize {
-        (metres / self.cell_m).round() as isize
+        // A cast rounds down what is above 0.
+        const BELOW: isize = 64;
+        (metres / self.cell_m + BELOW as f32 + 0.5) as isize - BELOW
     }
 }
 
@@ -164,20 +166,22 @@ fn add_shifted(values: &mut [u16], side: usize, dx: isize, dy: usize) {
         return;
     }
     let shifted = from.wrapping_add_signed(dx)..to.wrapping_add_signed(dx);
-    let add = |row: &mut [u16], other: &[u16]| {
-        for (value, other) in row[from..to].iter_mut().zip(&other[shifted.clone()]) {
-            *value += other;
-        }
-    };
     for y in 0..rows.saturating_sub(dy) {
         let (before, other) = values.split_at_mut((y + dy) * side);
-        match dy {
-            0 => {
-                let unchanged = other[..side].to_vec();
-                add(&mut other[..side], &unchanged);
-            }
-            _ => add(&mut before[y * side..][..side], &other[..side]),
+        if dy == 0 {
+            let unchanged = other[shifted.clone()].to_vec();
+            add(&mut other[from..to], &unchanged);
+        } else {
+            add(&mut before[y * side..][from..to], &other[shifted.clone()]);
         }
+    }
+}
+
+/// Apart, so that the compiler knows that the two do not overlap.
+#[inline(never)]
+fn add(row: &mut [u16], other: &[u16]) {
+    for (value, other) in row.iter_mut().zip(other) {
+        *value += other;
     }
 }
 

@@ -23,13 +23,13 @@ const OF_ALL: [f32; 2] = [0.65, 0.80];
 const EVENED_DIRECTIONS: usize = COUNT / 8;
 const EVENED_FROM: f32 = 0.6;
 /// Only directions are looked at whose clearance is this part of the best.
-const LOOKED_AT: f32 = 0.5;
+const LOOKED_AT: f32 = 0.6;
 /// Metres that are left for a pavement before a wall.
 const BEFORE_WALL_M: f32 = 0.9;
 /// Metres outside the kerb to which a strip fades where it is none.
 const NO_STRIP_M: f32 = 12.0;
 /// Rows that are worked on at once.
-const ROWS: usize = 32;
+const ROWS: usize = 64;
 const COUNT: usize = DIRECTIONS as usize;
 
 /// Places by the kerb count in steps of this, metres, from so far outside.
@@ -107,6 +107,9 @@ impl Ways<'_> {
                 && f32::from(self.clear.values[*place]) * self.step_m < WIDEST_M[1]
         };
         let looked_at: Vec<usize> = (first..first + places.len()).filter(is_looked_at).collect();
+        if looked_at.is_empty() {
+            return;
+        }
         let mut ways = vec![[Way::default(); COUNT]; looked_at.len()];
         for (number, opened) in &self.opened.by_direction {
             let angle = PI * f64::from(*number) / COUNT as f64;
@@ -194,9 +197,8 @@ fn highest_beside(kept: [u8; COUNT]) -> [u8; COUNT] {
 }
 
 fn kerb_steps(metres: f32) -> u8 {
-    ((metres + OUTSIDE_M as f32) / KERB_STEP_M as f32)
-        .round()
-        .clamp(0.0, 255.0) as u8
+    // A cast rounds down, and what is below 0 up to it.
+    ((metres + OUTSIDE_M as f32) / KERB_STEP_M as f32 + 0.5) as u8
 }
 
 fn kerb_metres(steps: u8) -> f32 {
