@@ -5,14 +5,15 @@ use super::opening::Raster;
 /// Free cells count up to here; a front counts e-fold less by so many metres.
 const FRONT_M: f64 = 30.0;
 const NEARER_M: f64 = 4.5;
-/// Metres over which fronts are taken twice, one after the other: a place's own count most, those up to this far away some.
+/// Metres over which fronts are taken twice, one after the other: a place's own count most, those almost this far away some. Along the
+/// axis that a way runs more along; a power of two in cells, at most 16, so that sums fit.
 const ALONG_M: f64 = 32.0;
 
 /// What a level tells of fronts along both axes.
 pub struct Fronts {
     side: usize,
     cell_m: f64,
-    /// Along x, then y: how near the front ahead is, 0 on buildings; then behind.
+    /// Along x, then y: how near the front ahead is, 0 on buildings and where there is none; then behind.
     nearness: [[Vec<u8>; 2]; 2],
     /// 255 on free cells.
     free: Vec<u8>,
@@ -21,10 +22,10 @@ pub struct Fronts {
 impl Fronts {
     /// Of cells that buildings cover.
     pub fn new(covered: &Raster, cell_m: f64) -> Self {
-        let limit = (FRONT_M / cell_m) as u8;
+        let limit = (FRONT_M / cell_m).ceil() as u8;
         let near = |run: u8| (255.0 * (-(f64::from(run) - 0.5) * cell_m / NEARER_M).exp()).round() as u8;
         let table: Vec<u8> = (0..=limit)
-            .map(|run| if run == 0 { 0 } else { near(run) })
+            .map(|run| if run == 0 || run == limit { 0 } else { near(run) })
             .collect();
         let nearness = |step: [i64; 2]| {
             let runs = free_runs(covered, limit, step);

@@ -55,7 +55,7 @@ const SEGMENT_M: f64 = 75.0;
 const OPEN: [f64; 2] = [0.40, 0.62];
 /// Metres over which that is evened out.
 const EVEN_OPEN_M: f64 = 8.0;
-/// Metres on each side over which corners are rounded.
+/// Metres on each side over which corners are rounded: on the finest level only, others have larger cells.
 const ROUND_M: f64 = 2.0;
 
 /// The ground that buildings stand on round the eye, held apart from the tiles so that streets can be guessed beside the frames.

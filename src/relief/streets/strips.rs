@@ -15,15 +15,16 @@ use super::{CARRIAGEWAY_M, CARRIAGEWAY_PART, DIRECTIONS, WIDEST_M};
 const FROM_M: [f32; 2] = [1.7, 2.4];
 const CLEAR_PART: [f32; 2] = [0.26, 0.40];
 const CERTAIN: [f32; 2] = [0.2, 0.5];
-/// The same parts by the best of the directions at most so far, and of all directions.
+/// Directions on each side that are near to one.
 const NEAR_DIRECTIONS: usize = COUNT / 4;
+/// How well a strip's way is kept clear by the best of the near directions, and of all.
 const OF_NEAR: [f32; 2] = [0.88, 0.97];
 const OF_ALL: [f32; 2] = [0.65, 0.80];
 /// Directions on each side over which a strip's place is evened out, those that keep more than this part of the best.
 const EVENED_DIRECTIONS: usize = COUNT / 8;
 const EVENED_FROM: f32 = 0.6;
 /// Only directions are looked at whose clearance is this part of the best.
-const LOOKED_AT: f32 = 0.6;
+const LOOKED_AT: f32 = 0.5;
 /// Metres that are left for a pavement before a wall.
 const BEFORE_WALL_M: f32 = 0.9;
 /// Metres outside the kerb to which a strip fades where it is none.
@@ -34,7 +35,8 @@ const COUNT: usize = DIRECTIONS as usize;
 
 /// Places by the kerb count in steps of this, metres, from so far outside.
 pub const KERB_STEP_M: f64 = 0.05;
-pub const OUTSIDE_M: f64 = 6.0;
+pub const OUTSIDE_M: f64 = 7.0;
+const _: () = assert!(255.0 * KERB_STEP_M - OUTSIDE_M > CARRIAGEWAY_M as f64);
 
 /// What is known of a place.
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,7 +80,7 @@ impl Ways<'_> {
     /// The strips, as far from the raster's border as ways are looked at.
     pub fn strips(&self) -> Vec<StripPlace> {
         let side = self.clear.side;
-        // Its middle may be a cell's diagonal farther.
+        // Along an axis its middle may be a square's diagonal away.
         let border = self
             .fronts
             .reach()
@@ -178,6 +180,9 @@ fn strip(ways: &[Way; COUNT], room: f32) -> StripPlace {
     let widest = (0..COUNT)
         .max_by(|&a, &b| strips[a].total_cmp(&strips[b]))
         .unwrap_or(0);
+    if strips[widest] <= -NO_STRIP_M {
+        return StripPlace::default();
+    }
     StripPlace {
         from_kerb: kerb_steps(strips[widest].min(room)),
         half: ways[widest].half,
