@@ -1,6 +1,6 @@
 //! Carriageways as strips of even width along the middles of ways. A way's middle lies halfway between the fronts on both sides, as they
 //! are taken over a piece of it (`fronts`), so its kerbs run straight past gaps and corners of single houses. Of directions close to each
-//! other the one counts along which the clearance is kept best; ways that cross both do.
+//! other the one counts along which the clearance fits best; ways that cross both do.
 
 use std::f64::consts::PI;
 
@@ -17,10 +17,10 @@ const CLEAR_PART: [f32; 2] = [0.26, 0.40];
 const CERTAIN: [f32; 2] = [0.2, 0.5];
 /// Directions on each side that are near to one.
 const NEAR_DIRECTIONS: usize = COUNT / 4;
-/// How well a strip's way is kept clear by the best of the near directions, and of all.
+/// How well a strip's way fits by the best of the near directions, and of all.
 const OF_NEAR: [f32; 2] = [0.88, 0.97];
 const OF_ALL: [f32; 2] = [0.65, 0.80];
-/// Directions on each side over which a strip's place is evened out, those that keep more than this part of the best.
+/// Directions on each side over which a strip's place is evened out, those that fit by more than this part of the best.
 const EVENED_DIRECTIONS: usize = COUNT / 8;
 const EVENED_FROM: f32 = 0.6;
 /// Only directions are looked at whose clearance is this part of the best.
@@ -53,14 +53,14 @@ struct Way {
     /// As [`StripPlace`] has them, were it a street.
     from_kerb: u8,
     half: u8,
-    /// How well the clearance is kept, 0 where there is no way.
-    kept: u8,
+    /// How well the clearance fits the fronts, 0 where there is no way.
+    fit: u8,
     /// How sure it is that it is a street, but for the other directions: of 255.
     certain: u8,
 }
 
-/// What a part of 1 of a clearance counts as it is kept.
-const KEPT: f32 = 200.0;
+/// What a clearance counts that fits in full.
+const FIT_STEPS: f32 = 200.0;
 
 /// A level's ways.
 pub struct Ways<'a> {
@@ -145,12 +145,12 @@ impl Ways<'_> {
         }
         let certain = f32::from(self.certain.values[middle]) / 255.0;
         let is_way = smoothstep(FROM_M, clear) * (1.0 - smoothstep(WIDEST_M, half));
-        let kept = clear / half.max(0.1);
-        let certain = is_way * smoothstep(CLEAR_PART, kept) * smoothstep(CERTAIN, certain);
+        let fit = clear / half.max(0.1);
+        let certain = is_way * smoothstep(CLEAR_PART, fit) * smoothstep(CERTAIN, certain);
         Some(Way {
             from_kerb: kerb_steps((CARRIAGEWAY_PART * half).min(CARRIAGEWAY_M) - aside.abs()),
             half: (half / self.step_m) as u8,
-            kept: (KEPT * kept * is_way) as u8,
+            fit: (FIT_STEPS * fit * is_way) as u8,
             certain: (255.0 * certain) as u8,
         })
     }
@@ -158,11 +158,11 @@ impl Ways<'_> {
 
 /// The widest of the strips along ways through a place. `room`: metres that a carriageway may take there.
 fn strip(ways: &[Way; COUNT], room: f32) -> StripPlace {
-    let kept = ways.map(|way| way.kept);
-    let of_near = highest_beside(kept);
-    let of_all = f32::from(kept.iter().copied().max().unwrap_or(0).max(1));
+    let fit = ways.map(|way| way.fit);
+    let of_near = highest_beside(fit);
+    let of_all = f32::from(fit.iter().copied().max().unwrap_or(0).max(1));
     let from_kerb = |k: usize| {
-        let [own, near] = [kept[k], of_near[k].max(1)].map(f32::from);
+        let [own, near] = [fit[k], of_near[k].max(1)].map(f32::from);
         if ways[k].certain == 0 || own < OF_NEAR[0] * near || own < OF_ALL[0] * of_all {
             return -NO_STRIP_M;
         }
@@ -171,7 +171,7 @@ fn strip(ways: &[Way; COUNT], room: f32) -> StripPlace {
         let beside = COUNT + k - EVENED_DIRECTIONS..=COUNT + k + EVENED_DIRECTIONS;
         let evened = beside.fold([0.0, 1.0e-6], |[sum, all], k| {
             let way = &ways[k % COUNT];
-            let weight = (f32::from(way.kept) / near - EVENED_FROM).max(0.0).powi(2);
+            let weight = (f32::from(way.fit) / near - EVENED_FROM).max(0.0).powi(2);
             [sum + weight * kerb_metres(way.from_kerb), all + weight]
         });
         evened[0] / evened[1] - NO_STRIP_M * (1.0 - is_strip)
@@ -190,8 +190,8 @@ fn strip(ways: &[Way; COUNT], room: f32) -> StripPlace {
 }
 
 /// Of each direction the highest of those at most [`NEAR_DIRECTIONS`] away.
-fn highest_beside(kept: [u8; COUNT]) -> [u8; COUNT] {
-    let mut round: [u8; 2 * COUNT] = std::array::from_fn(|k| kept[(k + COUNT - NEAR_DIRECTIONS) % COUNT]);
+fn highest_beside(fit: [u8; COUNT]) -> [u8; COUNT] {
+    let mut round: [u8; 2 * COUNT] = std::array::from_fn(|k| fit[(k + COUNT - NEAR_DIRECTIONS) % COUNT]);
     // By doubling, up to 16 on; then the last.
     for far in [1, 2, 4, 8] {
         for k in 0..round.len() - far {
@@ -221,12 +221,12 @@ mod tests {
 
     #[test]
     fn directions_close_to_each_other_are_compared_round_the_half_turn() {
-        let kept: [u8; COUNT] = std::array::from_fn(|k| (k * 37 % 101) as u8);
-        let highest = highest_beside(kept);
+        let fit: [u8; COUNT] = std::array::from_fn(|k| (k * 37 % 101) as u8);
+        let highest = highest_beside(fit);
         for (k, &found) in highest.iter().enumerate() {
             let apart = |other: usize| k.abs_diff(other).min(COUNT - k.abs_diff(other));
             let near = (0..COUNT).filter(|&other| apart(other) <= NEAR_DIRECTIONS);
-            assert_eq!(Some(found), near.map(|other| kept[other]).max(), "{k}");
+            assert_eq!(Some(found), near.map(|other| fit[other]).max(), "{k}");
         }
     }
 }
