@@ -14,7 +14,7 @@ use rilievo::city::City;
 use rilievo::gpu::Gpu;
 use rilievo::output::Renderer;
 use rilievo::relief::Layers;
-use rilievo::relief::{Footprints, Streets};
+use rilievo::relief::{Footprints, SeenBlocks, Streets};
 use rilievo::scene::{PoolOptions, TerrainMesh};
 use rilievo::space::Sun;
 use support::{sample, succeed};
@@ -88,7 +88,7 @@ fn guessed_streets_are_where_the_photos_show_some() {
         masks: grid.tiles().filter_map(mask).collect(),
     };
     let middle = DVec2::new(289_280.0, 4_773_024.0);
-    let streets = Streets::new(&footprints, Streets::centre_of(&grid, middle));
+    let streets = Streets::new(&footprints, Streets::centre_of(&grid, middle), &SeenBlocks::ALL);
     let photos = ["photo_0_0.tif", "photo_0_1.tif", "photo_1_0.tif", "photo_1_1.tif"].map(Photo::open);
     let (mut places, mut guessed, mut right, mut shown) = (0, 0, 0, 0);
     for k in 0..250 * 250 {

@@ -2,7 +2,7 @@
 //! of its entry and header, so that a block is one read.
 
 use super::cell::CellKind;
-use super::map::{Block, BuildingMap};
+use super::map::{Block, BuildingMap, MAIN_BITS};
 
 /// The integers of a map on the device.
 pub struct DeviceMap {
@@ -12,14 +12,11 @@ pub struct DeviceMap {
     pub blocks: Vec<[u32; 4]>,
 }
 
-/// The header of a block that lies under one roof.
-const UNIFORM: u32 = 0x5555_5555;
-
 impl DeviceMap {
     /// The number of its words: a map's own without entries, headers and commonest roofs.
     pub fn word_count(map: &BuildingMap) -> usize {
         let in_blocks = map.blocks().map(|(_, block)| match block {
-            Block::Record(place) => 2 + usize::from(map.word(place) & UNIFORM != 0),
+            Block::Record(place) => 2 + usize::from(map.word(place) & MAIN_BITS != 0),
             _ => 1,
         });
         map.words.len() - in_blocks.sum::<usize>().min(map.words.len())
@@ -35,21 +32,20 @@ impl DeviceMap {
         for (_, block) in map.blocks() {
             match block {
                 Block::Empty => {}
-                Block::Uniform(code) => blocks.push([UNIFORM, code, 0, 0]),
+                Block::Uniform(code) => blocks.push([MAIN_BITS, code, 0, 0]),
                 Block::Record(place) => {
                     let header = map.word(place);
-                    // Of a texel's two bits the lower one tells the commonest roof, the upper one a code of its own.
-                    let has_main = header & UNIFORM != 0;
-                    let main = if has_main { map.word(place + 1) } else { 0 };
+                    let (main, own) = map
+                        .stored_codes(&block)
+                        .split_at(usize::from(header & MAIN_BITS != 0));
+                    let main = main.first().copied().unwrap_or(0);
                     blocks.push([header, main, words.len() as u32, 0]);
-                    let first = place + 1 + usize::from(has_main);
-                    let count = (header & (UNIFORM << 1)).count_ones() as usize;
-                    for own in first..first + count {
-                        if let CellKind::List(list) = CellKind::from_code(map.word(own)) {
+                    for &code in own {
+                        if let CellKind::List(list) = CellKind::from_code(code) {
                             first_list = first_list.min(list as usize);
                             list_codes.push(words.len());
                         }
-                        words.push(map.word(own));
+                        words.push(code);
                     }
                 }
             }

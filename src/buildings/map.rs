@@ -80,6 +80,9 @@ pub const TEXEL_EMPTY: u32 = 0;
 pub const TEXEL_MAIN: u32 = 1;
 /// A texel with a code of its own.
 pub const TEXEL_OWN: u32 = 2;
+/// The bits of a header that tell of its texels that they lie under the commonest roof, and that they have codes of their own.
+pub const MAIN_BITS: u32 = 0x5555_5555 * TEXEL_MAIN;
+pub const OWN_BITS: u32 = 0x5555_5555 * TEXEL_OWN;
 
 impl BuildingMap {
     /// Where in a texel the parity of its outline is known, in texels from its south-west corner. Off the centre
@@ -223,8 +226,7 @@ impl BuildingMap {
             Block::Uniform(code) => [code; TEXELS],
             Block::Record(place) => {
                 let header = self.word(place);
-                // Of two bits the lower one is set where a texel has the commonest roof.
-                let has_main = header & 0x5555_5555 != 0;
+                let has_main = header & MAIN_BITS != 0;
                 let main = self.word(place + 1);
                 let mut own = place + 1 + usize::from(has_main);
                 std::array::from_fn(|texel| match (header >> (2 * texel)) & 3 {
@@ -235,6 +237,20 @@ impl BuildingMap {
                         self.word(own - 1)
                     }
                 })
+            }
+        }
+    }
+
+    /// The codes that a block stores, its commonest roof's once.
+    pub fn stored_codes<'a>(&'a self, block: &'a Block) -> &'a [u32] {
+        match block {
+            Block::Empty => &[],
+            Block::Uniform(code) => std::slice::from_ref(code),
+            Block::Record(place) => {
+                let header = self.word(*place);
+                let own = (header & OWN_BITS).count_ones() as usize;
+                let count = usize::from(header & MAIN_BITS != 0) + own;
+                self.words.get(place + 1..place + 1 + count).unwrap_or(&[])
             }
         }
     }

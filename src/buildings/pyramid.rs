@@ -33,8 +33,11 @@ impl Pyramid {
     pub fn from_map(map: &BuildingMap, low: f32) -> Self {
         let children = Self::children_across(map.side, 1);
         let mut below = vec![f32::NEG_INFINITY; children * children];
-        for ([column, row], codes) in map.occupied_blocks() {
-            let highest = codes.iter().map(|&code| map.highest_roof(code));
+        for ([column, row], block) in map.blocks() {
+            let highest = map
+                .stored_codes(&block)
+                .iter()
+                .map(|&code| map.highest_roof(code));
             below[row * children + column] = highest.fold(f32::NEG_INFINITY, f32::max);
         }
         let high = below.iter().copied().fold(f32::NEG_INFINITY, f32::max);

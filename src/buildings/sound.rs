@@ -15,9 +15,11 @@ impl BuildingMap {
             && self.side <= Self::MAX_SIDE
             && self.has_sound_index()
             && self.has_lists_of_its_size()
-            && self
-                .occupied_blocks()
-                .all(|(_, codes)| codes.iter().all(|&code| self.is_sound_cell(code)))
+            && self.blocks().all(|(_, block)| {
+                self.stored_codes(&block)
+                    .iter()
+                    .all(|&code| self.is_sound_cell(code))
+            })
             && self.vertices.iter().all(|vertex| {
                 (vertex.building as usize) < self.roofs.len()
                     && vertex.bays.is_finite()
@@ -55,6 +57,7 @@ impl BuildingMap {
             entries += (word & 0xffff).count_ones() as usize;
         }
         let entries = groups..groups + entries;
+        let is_full = |code: u32| matches!(CellKind::from_code(code), CellKind::Full(_));
         let is_sound_entry = |&entry: &u32| match CellKind::from_code(entry) {
             CellKind::Full(full) => (full.building as usize) < self.roofs.len(),
             CellKind::List(place) => {
@@ -64,6 +67,7 @@ impl BuildingMap {
                 place as usize >= entries.end
                     && place as usize + length <= self.words.len()
                     && count(3).count() == 0
+                    && (count(TEXEL_MAIN).count() == 0 || is_full(self.word(place as usize + 1)))
                     && count(TEXEL_EMPTY).count() < TEXELS
             }
             _ => false,
@@ -77,8 +81,8 @@ impl BuildingMap {
     /// would cost a reader and a ray their product, and so would codes that all name one outline.
     fn has_lists_of_its_size(&self) -> bool {
         let (mut left, mut edges_left) = (self.words.len(), MAX_EDGES);
-        for (_, codes) in self.occupied_blocks() {
-            for &code in &codes {
+        for (_, block) in self.blocks() {
+            for &code in self.stored_codes(&block) {
                 let CellKind::List(place) = CellKind::from_code(code) else {
                     continue;
                 };

@@ -128,17 +128,13 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         ..args.pool.options(mesh)
     };
     // The sky's tables are made while the device is opened.
-    let (opened, sun) = std::thread::scope(|scope| {
-        let opening = || Renderer::open(Gpu::open().map_err(RenderError::from)?, &city, options);
-        let opening = scope.spawn(opening);
+    let (gpu, sun) = std::thread::scope(|scope| {
+        let opening = scope.spawn(Gpu::open);
         let sun = sun(args.time.as_deref(), place).and_then(|sun| Ok(view.sun_or(sun, place)?));
         (opening.join(), sun)
     });
     let sun = sun?;
-    let mut renderer = opened.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-    if args.relief.relief == ReliefMode::Polygons {
-        renderer.load_polygons(&city)?;
-    }
+    let gpu = gpu.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     let request = FrameRequest {
         camera: &camera,
         sun: &sun,
@@ -147,6 +143,10 @@ pub fn run(args: &RenderArgs) -> Result<(), CommandError> {
         flare: flare.as_ref(),
         exposure: view.exposure_or(args.exposure),
     };
+    let mut renderer = Renderer::open_for(gpu.map_err(RenderError::from)?, &city, options, &request)?;
+    if args.relief.relief == ReliefMode::Polygons {
+        renderer.load_polygons(&city)?;
+    }
     let with_radiance = kind != ImageKind::Display;
     let still = renderer.still_of(&vec![request; args.samples as usize], with_radiance)?;
     tell_warnings(&mut renderer);

@@ -1,5 +1,7 @@
 //! What painters paint on: a tile's colours, heights and materials, a texel each, rows from below.
 
+use std::sync::LazyLock;
+
 /// Texels of a tile along u and v: two bays by one storey, or a square of roof twice.
 pub const TILE_SIZE: [usize; 2] = [256, 128];
 
@@ -222,10 +224,52 @@ fn unit_byte(value: f32) -> u8 {
 
 /// IEC 61966-2-1, 8 bits.
 pub fn srgb_byte(linear: f32) -> u8 {
-    let coded = if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    // From the first byte that may be meant on.
+    let step = (linear.clamp(0.0, 1.0) * SRGB_STEPS as f32) as usize;
+    let (first_bytes, from) = &*SRGB;
+    let mut byte = first_bytes[step];
+    while byte < u8::MAX && linear >= from[usize::from(byte) + 1] {
+        byte += 1;
+    }
+    byte
+}
+
+/// Steps of reflectance, few enough that none is passed over by more than some bytes.
+const SRGB_STEPS: usize = 1024;
+
+/// The byte that each step begins with, and the reflectance that each byte begins with: half a byte before its own.
+static SRGB: LazyLock<([u8; SRGB_STEPS + 1], [f32; 256])> = LazyLock::new(|| {
+    let from: [f32; 256] = std::array::from_fn(|byte| {
+        let coded = (byte as f32 - 0.5) / 255.0;
+        if coded <= 0.04045 {
+            coded / 12.92
+        } else {
+            ((coded + 0.055) / 1.055).powf(2.4)
+        }
+    });
+    let first = |step: usize| {
+        let linear = step as f32 / SRGB_STEPS as f32;
+        from[1..].partition_point(|&from| from <= linear) as u8
     };
-    unit_byte(coded)
+    (std::array::from_fn(first), from)
+});
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_the_nearest_to_the_standards_curve() {
+        for k in -100..=20_100 {
+            let linear = k as f32 / 20_000.0;
+            let clamped = f64::from(linear).clamp(0.0, 1.0);
+            let coded = if clamped <= 0.003_130_8 {
+                12.92 * clamped
+            } else {
+                1.055 * clamped.powf(1.0 / 2.4) - 0.055
+            };
+            let away = (f64::from(srgb_byte(linear)) - 255.0 * coded).abs();
+            assert!(away < 0.5 + 1e-3, "{linear}: {away}");
+        }
+    }
 }

@@ -12,8 +12,8 @@ use crate::buildings::Building;
 use crate::camera::{AccumulatePass, TemporalPass, ToneMapPass, Vignetting};
 use crate::city::City;
 use crate::gpu::{Gpu, PassTimer, PassTimes, Target};
-use crate::relief::{ReliefPass, ReliefTargets, StreetsRequest, building_mesh};
-use crate::scene::{PoolOptions, Resident};
+use crate::relief::{CityBindings, ReliefPass, ReliefTargets, StreetsRequest, building_mesh};
+use crate::scene::{PoolOptions, Resident, SceneError};
 use crate::space::ImageWindow;
 
 /// Everything that lives as long as a city is drawn.
@@ -52,9 +52,42 @@ impl Renderer {
     /// # Errors
     /// When the coarsest tile is damaged, or the device cannot hold it.
     pub fn open(gpu: Gpu, city: &City, options: impl Into<PoolOptions>) -> Result<Self, RenderError> {
-        let resident = Resident::open(&gpu, city, options.into())?;
+        Self::open_while(gpu, city, options.into(), |_, _| Ok(()))
+    }
+
+    /// The same for a first view, whose tiles come while the device compiles.
+    ///
+    /// # Errors
+    /// When the coarsest tile is damaged, or the device cannot hold it or the view's.
+    pub fn open_for(
+        gpu: Gpu,
+        city: &City,
+        options: impl Into<PoolOptions>,
+        first: &FrameRequest<'_>,
+    ) -> Result<Self, RenderError> {
+        let projection = first.camera.projection(first.size);
+        Self::open_while(gpu, city, options.into(), |gpu, resident| {
+            resident.prepare(gpu, &projection, first.sun)
+        })
+    }
+
+    fn open_while(
+        gpu: Gpu,
+        city: &City,
+        options: PoolOptions,
+        load: impl FnOnce(&Gpu, &mut Resident) -> Result<(), SceneError> + Send,
+    ) -> Result<Self, RenderError> {
+        let mut resident = Resident::open(&gpu, city, options)?;
+        let bindings = resident.bindings_version();
+        let city_bindings = CityBindings::new(&gpu, &resident);
+        let own_facades = city.own_facades()?;
+        let (relief, loaded) = rayon::join(
+            || ReliefPass::new(&gpu, city_bindings, &own_facades, options.streams),
+            || load(&gpu, &mut resident),
+        );
+        loaded?;
         let renderer = Self {
-            relief: ReliefPass::new(&gpu, &resident, &city.own_facades()?)?,
+            relief: relief?,
             accumulate: AccumulatePass::new(&gpu),
             temporal: TemporalPass::new(&gpu),
             moving_frames: 0,
@@ -68,7 +101,7 @@ impl Renderer {
             max_window_px: MAX_WINDOW_PX.min(gpu.device.limits().max_texture_dimension_2d),
             detail_size: None,
             is_amid_image: false,
-            bindings: resident.bindings_version(),
+            bindings,
             gpu,
             resident,
         };
@@ -94,12 +127,13 @@ impl Renderer {
         let size = self.detail_size.unwrap_or(request.size);
         let projection = request.camera.projection(size);
         self.resident.prepare(&self.gpu, &projection, request.sun)?;
+        self.relief.set_mode(&self.gpu, request.relief.mode);
         self.relief.set_sun(&self.gpu, request.sun);
         self.relief
             .set_sun_bounds(&self.gpu, &self.resident, request.sun, projection.pose.eye);
         let layers = request.relief.layers;
         let streets = StreetsRequest {
-            eye: projection.pose.eye.truncate(),
+            view: &projection,
             is_shown: layers.streets,
             hides_imagery: !layers.imagery,
             is_amid_image: self.is_amid_image,

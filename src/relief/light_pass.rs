@@ -31,6 +31,9 @@ pub struct LightPass {
     input: BySize<wgpu::BindGroup>,
 }
 
+/// The pipeline and the layout of its input, which may be made before there are materials.
+pub type LightPipeline = (wgpu::RenderPipeline, wgpu::BindGroupLayout);
+
 impl LightPass {
     /// Group 2: the ground's distance and normal, the buildings' surface and facade, imagery and its sampler; colours and details of
     /// the materials, their sampler, the palette; the sky; the ambient pass's rays; the sun bounds; the site coverage;
@@ -53,16 +56,8 @@ impl LightPass {
         texture_array(FILTERED),
     ];
 
-    /// For the layouts of groups 0 and 1; `streams`: frames do not wait for tiles.
-    ///
-    /// # Errors
-    /// When the device cannot hold its tables.
-    pub fn new(
-        gpu: &Gpu,
-        [frame, city]: [&wgpu::BindGroupLayout; 2],
-        materials: MaterialTextures,
-        streams: bool,
-    ) -> Result<Self, GpuError> {
+    /// Compiles the pipeline for the layouts of groups 0 and 1.
+    pub fn pipeline(gpu: &Gpu, [frame, city]: [&wgpu::BindGroupLayout; 2]) -> LightPipeline {
         let module = shader_module(gpu, &LIGHT);
         let input_layout = gpu.layout("shade input", &Self::INPUT);
         let targets = [
@@ -71,10 +66,22 @@ impl LightPass {
             color_target(wgpu::TextureFormat::R32Uint),
         ];
         let layouts = [frame, city, &input_layout];
+        let parameters = PipelineParameters::fullscreen("shade", &module, &layouts, &targets);
+        (gpu.pipeline(&parameters), input_layout)
+    }
+
+    /// `streams`: frames do not wait for tiles.
+    ///
+    /// # Errors
+    /// When the device cannot hold its tables.
+    pub fn new(
+        gpu: &Gpu,
+        (pipeline, input_layout): LightPipeline,
+        materials: MaterialTextures,
+        streams: bool,
+    ) -> Result<Self, GpuError> {
         Ok(Self {
-            pipeline: gpu.pipeline(&PipelineParameters::fullscreen(
-                "shade", &module, &layouts, &targets,
-            )),
+            pipeline,
             sampler: gpu.linear_sampler("imagery", true),
             tiling_sampler: gpu.tiling_sampler("materials"),
             materials,

@@ -55,7 +55,7 @@ pub use search_parameters::{SEARCH_BAY_M, SearchParameters};
 pub use search_pass::SearchPass;
 pub use settings::{Layers, ReliefMode, ReliefSettings};
 pub use shaders::ALL as SHADERS;
-pub use streets::{Footprints, Streets, StreetsRequest};
+pub use streets::{Footprints, SeenBlocks, Streets, StreetsRequest};
 pub use sun_bounds::SunBounds;
 pub use sun_obstacles::SunObstacles;
 pub use sun_visibility::sun_seen_from;

@@ -29,9 +29,9 @@ pub struct ReliefPass {
     ground: GroundPass,
     cone: ConePass,
     exact: ExactPass,
-    search: SearchPass,
     ambient: AmbientPass,
     shade: LightPass,
+    search: Option<SearchPass>,
     polygons: Option<PolygonsPass>,
     targets: BySize<ReliefTargets>,
 }
@@ -40,25 +40,24 @@ impl ReliefPass {
     /// Group 0: the frame.
     pub const FRAME: [wgpu::BindingType; 1] = [UNIFORM];
 
-    /// Compiles the pipelines; `own`: facades of the user's own.
+    /// Compiles the pipelines; `own`: facades of the user's own; `streams`: frames do not wait for tiles.
     ///
     /// # Errors
     /// When the device cannot hold the materials.
-    pub fn new(gpu: &Gpu, resident: &Resident, own: &[OwnTiles]) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, city: CityBindings, own: &[OwnTiles], streams: bool) -> Result<Self, GpuError> {
         let uniforms = Uniform::new(gpu, "frame");
         let frame_layout = gpu.layout("frame", &Self::FRAME);
-        let city = CityBindings::new(gpu, resident);
         let layouts = [&frame_layout, &city.layout];
         // The materials are painted while the device compiles.
-        let (tiles, (ground, cone, exact, search, ambient)) = rayon::join(
+        let (tiles, (ground, cone, exact, ambient, light)) = rayon::join(
             || painted_tiles(own),
             || {
                 (
                     GroundPass::new(gpu, layouts),
                     ConePass::new(gpu, layouts),
                     ExactPass::new(gpu, layouts),
-                    SearchPass::new(gpu, layouts),
                     AmbientPass::new(gpu, layouts),
+                    LightPass::pipeline(gpu, layouts),
                 )
             },
         );
@@ -69,14 +68,26 @@ impl ReliefPass {
             ground,
             cone,
             exact,
-            search,
             ambient,
-            shade: LightPass::new(gpu, layouts, materials, resident.streams())?,
+            shade: LightPass::new(gpu, light, materials, streams)?,
+            search: None,
             polygons: None,
             targets: BySize::default(),
             frame_layout,
             city,
         })
+    }
+
+    /// Compiles what a mode needs beyond what all do, once.
+    pub fn set_mode(&mut self, gpu: &Gpu, mode: ReliefMode) {
+        if mode != ReliefMode::Search || self.search.is_some() {
+            return;
+        }
+        let mut search = SearchPass::new(gpu, [&self.frame_layout, &self.city.layout]);
+        if let Some(targets) = self.targets.current() {
+            search.bind(gpu, targets);
+        }
+        self.search = Some(search);
     }
 
     /// Binds the resident city again, as parts of it were made anew.
@@ -99,7 +110,7 @@ impl ReliefPass {
     }
 
     /// Makes the streets for a frame, unless they are the last ones.
-    pub fn set_streets(&mut self, gpu: &Gpu, resident: &Resident, request: StreetsRequest) {
+    pub fn set_streets(&mut self, gpu: &Gpu, resident: &Resident, request: StreetsRequest<'_>) {
         self.shade.streets.prepare(gpu, resident, request);
     }
 
@@ -130,9 +141,11 @@ impl ReliefPass {
     pub fn resize(&mut self, gpu: &Gpu, resident: &Resident, size: [u32; 2]) -> &ReliefTargets {
         let targets = self.targets.select(size, || ReliefTargets::new(gpu, size));
         self.exact.bind(gpu, targets);
-        self.search.bind(gpu, targets);
         self.ambient.bind(gpu, targets);
         self.shade.bind(gpu, targets, resident);
+        if let Some(search) = &mut self.search {
+            search.bind(gpu, targets);
+        }
         if let Some(polygons) = &mut self.polygons {
             polygons.bind(gpu, targets);
         }
@@ -144,7 +157,7 @@ impl ReliefPass {
         self.targets.current()
     }
 
-    /// Encodes one sample of one view into the targets. Polygons without a mesh draw no buildings.
+    /// Encodes one sample of one view into the targets, in a mode that was set. Polygons without a mesh draw no buildings.
     pub fn encode(
         &self,
         gpu: &Gpu,
@@ -188,7 +201,11 @@ impl ReliefPass {
                 let timestamps = timer.pass(pass_number::BUILDINGS);
                 drop(targets.begin_buildings_pass(context.encoder, band, timestamps));
             }
-            (ReliefMode::Search, _) => self.search.encode(&mut context),
+            (ReliefMode::Search, _) => {
+                if let Some(search) = &self.search {
+                    search.encode(&mut context);
+                }
+            }
             (ReliefMode::Exact, _) => {
                 if band.is_first() {
                     self.cone.encode(&mut context);

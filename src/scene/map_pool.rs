@@ -281,8 +281,8 @@ fn edges_named(map: &BuildingMap) -> Vec<bool> {
             }
         }
     };
-    for (_, codes) in map.occupied_blocks() {
-        for code in codes {
+    for (_, block) in map.blocks() {
+        for &code in map.stored_codes(&block) {
             name(code);
             map.codes(code).iter().copied().for_each(&mut name);
         }

@@ -65,6 +65,23 @@ impl Default for CityBounds {
     }
 }
 
+impl CityBounds {
+    /// Lowest and highest surface, metres; 0 without any.
+    pub fn heights(&self) -> [f64; 2] {
+        let surfaces = [
+            self.min_ground.min(self.max_ground),
+            self.max_roof.max(self.max_ground),
+        ];
+        surfaces.map(|height| {
+            if height.is_finite() {
+                f64::from(height)
+            } else {
+                0.0
+            }
+        })
+    }
+}
+
 impl TileSet {
     /// Nothing resident yet.
     pub fn new(grid: TileGrid) -> Self {

@@ -1,6 +1,8 @@
 //! The pyramid of maxima over a tile's ground: rays to the sun pass what they stay above of in one read, as they pass roofs
 //! (maximum mipmaps: Tevs, Ihrke & Seidel 2008).
 
+use std::ops::Range;
+
 use super::HeightTile;
 
 /// Highest ground of square blocks of a tile, level by level.
@@ -25,54 +27,38 @@ impl GroundBounds {
         let samples = |block: usize| {
             let first = block * cells / Self::BLOCKS;
             let last = ((block + 1) * cells).div_ceil(Self::BLOCKS);
-            first..=last.min(cells)
+            first..last.min(cells) + 1
         };
-        let max = |values: &mut dyn Iterator<Item = f32>| values.fold(f32::NEG_INFINITY, f32::max);
-        let blocks = 0..Self::BLOCKS * Self::BLOCKS;
-        let finest = blocks
-            .map(|k| {
-                let (column, row) = (k % Self::BLOCKS, k / Self::BLOCKS);
-                max(&mut samples(row)
-                    .flat_map(|j| samples(column).map(move |i| j * tile.side + i))
-                    .map(|sample| tile.heights[sample])
-                    .filter(|height| height.is_finite()))
-            })
-            .collect();
-        let mut levels: Vec<Vec<f32>> = vec![finest];
+        let mut levels = vec![block_maxima(&tile.heights, tile.side, Self::BLOCKS, samples)];
         for level in 1..Self::LEVELS {
-            let side = Self::BLOCKS >> level;
+            let blocks = Self::BLOCKS >> level;
             let below = &levels[level as usize - 1];
-            let coarser = (0..side * side)
-                .map(|k| {
-                    let first = 2 * (k / side) * 2 * side + 2 * (k % side);
-                    max(&mut [first, first + 1, first + 2 * side, first + 2 * side + 1]
-                        .into_iter()
-                        .map(|child| below[child]))
-                })
-                .collect();
-            levels.push(coarser);
+            levels.push(block_maxima(below, 2 * blocks, blocks, |block| {
+                2 * block..2 * block + 2
+            }));
         }
-        let step_m = tile.step_m as f32;
         // The gradient of a bilinear cell is no steeper than its steepest edges together.
-        let cell_slope = |i: usize, j: usize| {
-            let at = |di: usize, dj: usize| tile.heights[(j + dj) * tile.side + i + di];
-            let edge = |a: f32, b: f32| (b - a).abs();
-            let east = edge(at(0, 0), at(1, 0)).max(edge(at(0, 1), at(1, 1)));
-            let north = edge(at(0, 0), at(0, 1)).max(edge(at(1, 0), at(1, 1)));
-            east.hypot(north) / step_m
+        let mut squares = Vec::with_capacity(cells * cells);
+        for pair in tile.heights.windows(2 * tile.side).step_by(tile.side) {
+            let (south, north) = pair.split_at(tile.side);
+            let edges = south.windows(2).zip(north.windows(2));
+            squares.extend(edges.map(|(a, b)| {
+                let east = (a[1] - a[0]).abs().max((b[1] - b[0]).abs());
+                let north = (b[0] - a[0]).abs().max((b[1] - a[1]).abs());
+                east * east + north * north
+            }));
+        }
+        let inner = |block: usize| {
+            let Range { start, end } = samples(block);
+            start..end - 1
         };
-        let slopes = (0..Self::BLOCKS * Self::BLOCKS)
-            .map(|k| {
-                let inner = |block: usize| samples(block).take_while(|&sample| sample < cells);
-                let (columns, rows) = (k % Self::BLOCKS, k / Self::BLOCKS);
-                max(&mut inner(rows)
-                    .flat_map(|j| inner(columns).map(move |i| (i, j)))
-                    .map(|(i, j)| cell_slope(i, j))
-                    .filter(|slope| slope.is_finite()))
-                .max(0.0)
-            })
-            .collect();
-        Self { levels, slopes }
+        let step_m = tile.step_m as f32;
+        let steepest = block_maxima(&squares, cells, Self::BLOCKS, inner);
+        let slopes = steepest.iter().map(|square| square.max(0.0).sqrt() / step_m);
+        Self {
+            levels,
+            slopes: slopes.collect(),
+        }
     }
 
     /// A level's blocks, row by row from the south.
@@ -94,6 +80,33 @@ impl GroundBounds {
     pub fn max(&self, level: u32, column: usize, row: usize) -> f32 {
         self.levels[level as usize][row * (Self::BLOCKS >> level) + column]
     }
+}
+
+/// The highest of each of `blocks` x `blocks` blocks of a square of values, by the rows or columns that a block has; what is not a number
+/// does not count.
+fn block_maxima(
+    values: &[f32],
+    side: usize,
+    blocks: usize,
+    range: impl Fn(usize) -> Range<usize>,
+) -> Vec<f32> {
+    let mut maxima = Vec::with_capacity(blocks * blocks);
+    for block in 0..blocks {
+        let mut columns = vec![f32::NEG_INFINITY; side];
+        for row in range(block) {
+            for (highest, &value) in columns.iter_mut().zip(&values[row * side..][..side]) {
+                *highest = highest.max(value);
+            }
+        }
+        let highest = |block| {
+            columns[range(block)]
+                .iter()
+                .copied()
+                .fold(f32::NEG_INFINITY, f32::max)
+        };
+        maxima.extend((0..blocks).map(highest));
+    }
+    maxima
 }
 
 #[cfg(test)]
@@ -126,6 +139,39 @@ mod tests {
                         "{side}, level {level}: {height} above {bound}"
                     );
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_slope_is_the_steepest_of_the_cells_that_a_block_touches() {
+        for side in [18, 65, 129, 300] {
+            let cells = side - 1;
+            let step_m = 512.0 / cells as f64;
+            // Level ground with one cell's corner raised, and one sample missing.
+            let (at, hole) = ([cells / 3, cells / 2], 5 * side + 5);
+            let mut heights = vec![10.0; side * side];
+            heights[at[1] * side + at[0]] = 10.0 + step_m as f32;
+            heights[hole] = f32::NAN;
+            let bounds = GroundBounds::from_heights(&HeightTile {
+                side,
+                level: 0,
+                step_m,
+                heights,
+            });
+            for block in 0..GroundBounds::BLOCKS * GroundBounds::BLOCKS {
+                let [column, row] = [block % GroundBounds::BLOCKS, block / GroundBounds::BLOCKS];
+                let touches = |block: usize, sample: usize| {
+                    let [from, to] =
+                        [block, block + 1].map(|k| k as f64 * cells as f64 / GroundBounds::BLOCKS as f64);
+                    from < sample as f64 + 1.0 && to > sample as f64 - 1.0
+                };
+                let is_steep = touches(column, at[0]) && touches(row, at[1]);
+                let slope = if is_steep { f32::sqrt(2.0) } else { 0.0 };
+                assert!(
+                    (bounds.slope(column, row) - slope).abs() < 1e-5,
+                    "{side} {column} {row}"
+                );
             }
         }
     }

@@ -8,6 +8,7 @@
 mod clearance;
 mod fronts;
 mod opening;
+mod seen;
 mod strips;
 mod texture;
 
@@ -19,10 +20,11 @@ use rayon::prelude::*;
 use self::clearance::{CLEARANCE_STEP_M, MAX_CLEARANCE_M, clearances};
 use self::fronts::Fronts;
 use self::opening::Raster;
-use self::strips::{KERB_STEP_M, OUTSIDE_M, Ways};
+use self::strips::{KERB_STEP_M, OUTSIDE_M, StripPlace, Ways};
 use crate::buildings::FootprintMask;
 use crate::space::{TileGrid, TileId};
 
+pub use self::seen::SeenBlocks;
 pub use self::texture::{StreetsRequest, StreetsTexture};
 
 /// Cells along a level's side; shaders have it as `STREET_CELLS`.
@@ -109,12 +111,17 @@ impl Streets {
         0.5 * STREET_CELLS as f64 * level_cell_m(STREET_LEVELS - 1)
     }
 
-    /// Round a centre.
-    pub fn new(footprints: &Footprints, centre: DVec2) -> Self {
+    /// Round a centre, as far as it is seen.
+    pub fn new(footprints: &Footprints, centre: DVec2, seen: &SeenBlocks) -> Self {
         let level = |level: usize| {
             let cell_m = level_cell_m(level);
             let covered = covered(footprints, centre, cell_m);
             let clear = clearances(&covered, cell_m);
+            let unknown = StripPlace::default();
+            if !seen.any(level) {
+                let texel = |&clear: &u8| [unknown.from_kerb, unknown.half, clear];
+                return clear.values.iter().map(texel).collect();
+            }
             let opened = clear.opened_by_lines(SEGMENT_M / cell_m, DIRECTIONS, COARSER_STEP.min(1 << level));
             let certain = (opened.highest.iter().zip(&opened.sum))
                 .map(|(&highest, &sum)| street_certainty(highest, sum, opened.by_direction.len()))
@@ -123,6 +130,7 @@ impl Streets {
                 side: STREET_CELLS,
                 values,
             };
+            let is_seen = |cell| seen.has(level, cell);
             let strips = Ways {
                 clear: &clear,
                 opened: &opened,
@@ -131,7 +139,7 @@ impl Streets {
                 cell_m,
                 step_m: CLEARANCE_STEP_M as f32,
             }
-            .strips();
+            .strips(is_seen);
             let from_kerb = raster(strips.iter().map(|place| place.from_kerb).collect());
             let from_kerb = from_kerb.mean_within((ROUND_M / cell_m) as usize);
             let texel = |k: usize| [from_kerb.values[k], strips[k].half, clear.values[k]];
@@ -229,7 +237,11 @@ fn covered(footprints: &Footprints, centre: DVec2, cell_m: f64) -> Raster {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::scene::Frustum;
+    use crate::space::{Pose, Projection};
 
     const GRID: TileGrid = TileGrid {
         west: 1000.0,
@@ -265,7 +277,7 @@ mod tests {
     }
 
     fn streets(footprints: &Footprints, eye: DVec2) -> Streets {
-        Streets::new(footprints, Streets::centre_of(&GRID, eye))
+        Streets::new(footprints, Streets::centre_of(&GRID, eye), &SeenBlocks::ALL)
     }
 
     fn middle() -> DVec2 {
@@ -356,6 +368,36 @@ mod tests {
         let far = 60.0 + SEGMENT_M + 60.0;
         for [x, y] in [[far, 9.0], [-far, 49.0], [89.0, far], [9.0, -far]] {
             assert_eq!(cell(&with, x, y), cell(&without, x, y), "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn what_a_view_sees_is_as_where_everything_is_asked_for() {
+        let footprints = town(0.3, true);
+        for (eye_m, ahead, down) in [
+            (2.0, [0.6, 0.8], 0.3),
+            (90.0, [-1.0, 0.1], 0.4),
+            (700.0, [0.2, -1.0], 1.1),
+        ] {
+            let eye = middle().extend(eye_m);
+            let pose = Pose::looking_at(eye, eye + DVec3::new(ahead[0], ahead[1], -down));
+            let view = Projection::new(pose, [64, 36], 0.9);
+            let centre = Streets::centre_of(&GRID, middle());
+            let seen = SeenBlocks::from_view(&Frustum::new(&view), centre, [0.0, 30.0]);
+            let [part, all] = [seen, SeenBlocks::ALL].map(|seen| Streets::new(&footprints, centre, &seen));
+            let mut places = 0;
+            for k in 0..64 * 36 {
+                let ray = view.ray_direction(k % 64, k / 64);
+                let at = eye + ray * (-eye.z / ray.z);
+                if ray.z < 0.0
+                    && let Some(cell) = all.cell_at(at.truncate())
+                {
+                    assert_eq!(part.cell_at(at.truncate()), Some(cell), "{eye_m} {at}");
+                    places += usize::from(cell[0] > 0);
+                }
+            }
+            assert!(places > 100, "{eye_m}: {places}");
+            assert_ne!(part, all);
         }
     }
 }

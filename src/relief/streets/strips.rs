@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::fronts::{FrontSums, Fronts};
 use super::opening::{Opened, Raster};
+use super::seen::BLOCK_CELLS;
 use super::{CARRIAGEWAY_M, CARRIAGEWAY_PART, DIRECTIONS, WIDEST_M};
 
 /// Clearances of a way's middle between which it comes to be a street, metres; parts of half the way between fronts that its middle is
@@ -29,8 +30,6 @@ const LOOKED_AT: f32 = 0.5;
 const BEFORE_WALL_M: f32 = 0.9;
 /// Metres outside the kerb to which a strip fades where it is none.
 const NO_STRIP_M: f32 = 12.0;
-/// Rows that are worked on at once.
-const ROWS: usize = 64;
 const COUNT: usize = DIRECTIONS as usize;
 
 /// Places by the kerb count in steps of this, metres, from so far outside.
@@ -77,8 +76,9 @@ pub struct Ways<'a> {
 }
 
 impl Ways<'_> {
-    /// The strips, as far from the raster's border as ways are looked at.
-    pub fn strips(&self) -> Vec<StripPlace> {
+    /// The strips, as far from the raster's border as ways are looked at, where cells (column, row) are asked for: a block of
+    /// [`BLOCK_CELLS`] is or is not.
+    pub fn strips(&self, is_asked: impl Fn([usize; 2]) -> bool + Sync) -> Vec<StripPlace> {
         let side = self.clear.side;
         // Along an axis its middle may be a square's diagonal away.
         let border = self
@@ -88,27 +88,32 @@ impl Ways<'_> {
             + 2;
         let mut places = vec![StripPlace::default(); side * side];
         let inner = border..side.saturating_sub(border);
-        let rows = &mut places[inner.start * side..inner.end.max(inner.start) * side];
-        rows.par_chunks_mut(ROWS * side)
-            .enumerate()
-            .for_each(|(chunk, places)| {
-                let first = inner.start + chunk * ROWS;
-                self.fill(places, first, [inner.start, inner.end]);
-            });
+        let blocks = places.par_chunks_mut(BLOCK_CELLS * side).enumerate();
+        blocks.for_each(|(block, places)| {
+            let first = block * BLOCK_CELLS;
+            let last = first + places.len() / side;
+            let rows = first.max(inner.start)..last.min(inner.end);
+            let columns: Vec<usize> = inner.clone().filter(|&x| is_asked([x, first])).collect();
+            if !rows.is_empty() && !columns.is_empty() {
+                let places = &mut places[(rows.start - first) * side..(rows.end - first) * side];
+                self.fill(places, rows.start, &columns);
+            }
+        });
         places
     }
 
-    /// The places of some rows, of their columns those within bounds.
-    fn fill(&self, places: &mut [StripPlace], first_row: usize, columns: [usize; 2]) {
+    /// The places of some rows, of their columns some.
+    fn fill(&self, places: &mut [StripPlace], first_row: usize, columns: &[usize]) {
         let side = self.clear.side;
         let first = first_row * side;
         let is_looked_at = |place: &usize| {
-            (columns[0]..columns[1]).contains(&(place % side))
-                && self.opened.highest[*place] > 0
+            self.opened.highest[*place] > 0
                 && self.certain.values[*place] > 0
                 && f32::from(self.clear.values[*place]) * self.step_m < WIDEST_M[1]
         };
-        let looked_at: Vec<usize> = (first..first + places.len()).filter(is_looked_at).collect();
+        let rows = (first..first + places.len()).step_by(side);
+        let asked = rows.flat_map(|row| columns.iter().map(move |column| row + column));
+        let looked_at: Vec<usize> = asked.filter(is_looked_at).collect();
         if looked_at.is_empty() {
             return;
         }

@@ -7,10 +7,11 @@ use half::f16;
 
 use super::clearance::CLEARANCE_STEP_M;
 use super::strips::{KERB_STEP_M, OUTSIDE_M};
-use super::{Footprints, STREET_CELLS, STREET_LEVELS, Streets};
+use super::{Footprints, STREET_CELLS, STREET_LEVELS, SeenBlocks, Streets};
 use crate::gpu::{Gpu, GpuError, LayerPool};
 use crate::relief::beside_frames::BesideFrames;
-use crate::scene::Resident;
+use crate::scene::{Frustum, Resident};
+use crate::space::Projection;
 
 /// Streets, and what they are of.
 pub struct StreetsTexture {
@@ -35,9 +36,9 @@ pub struct StreetsTexture {
 
 /// What a frame wants of them.
 #[derive(Clone, Copy, Debug)]
-pub struct StreetsRequest {
-    /// The eye in plan.
-    pub eye: DVec2,
+pub struct StreetsRequest<'a> {
+    /// The view.
+    pub view: &'a Projection,
     /// Whether streets are shown.
     pub is_shown: bool,
     /// Whether imagery is not.
@@ -46,8 +47,8 @@ pub struct StreetsRequest {
     pub is_amid_image: bool,
 }
 
-/// Footprints; centre.
-type Key = (Footprints, DVec2);
+/// Footprints; centre; what is seen.
+type Key = (Footprints, DVec2, SeenBlocks);
 /// Streets, and their levels as texels.
 type Made = (Streets, Vec<Vec<[f16; 4]>>);
 
@@ -56,14 +57,15 @@ const LAYERS: u32 = STREET_LEVELS as u32;
 /// Where frames do not wait, streets are made anew so often at most.
 const EVERY: Duration = Duration::from_millis(400);
 
-fn make((footprints, centre): &Key) -> Made {
-    let streets = Streets::new(footprints, *centre);
+fn make((footprints, centre, seen): &Key) -> Made {
+    let streets = Streets::new(footprints, *centre, seen);
     let levels = streets.levels().iter().map(|cells| texels(cells)).collect();
     (streets, levels)
 }
 
-fn is_same((footprints, centre): &Key, other: &Key) -> bool {
-    *centre == other.1 && footprints.is_same(&other.0)
+/// Whether streets of one are those of another, as far as that is seen.
+fn serves((footprints, centre, seen): &Key, other: &Key) -> bool {
+    *centre == other.1 && footprints.is_same(&other.0) && seen.covers(&other.2)
 }
 
 impl StreetsTexture {
@@ -91,15 +93,26 @@ impl StreetsTexture {
 
     /// Makes them for a frame, where ground is bare. Where frames do not wait, beside them: until they are there, and while an image is
     /// amid its bands, the last ones serve.
-    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, request: StreetsRequest) {
+    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, request: StreetsRequest<'_>) {
         self.is_shown = request.is_shown && (resident.has_bare_ground || request.hides_imagery);
         if !self.is_shown {
             (self.is_pending, self.place) = (false, None);
             return;
         }
-        let centre = Streets::centre_of(&resident.tiles.grid, request.eye);
+        let centre = Streets::centre_of(&resident.tiles.grid, request.view.pose.eye.truncate());
         let place = (resident.version(), centre);
-        if self.place == Some(place) && !self.is_pending {
+        let seen = if resident.streams() {
+            SeenBlocks::ALL
+        } else {
+            SeenBlocks::from_view(
+                &Frustum::new(request.view),
+                centre,
+                resident.tiles.bounds.heights(),
+            )
+        };
+        let is_seen = |of: &Key| of.2.covers(&seen);
+        let has_all = self.streets.as_ref().is_some_and(|(of, _)| is_seen(of));
+        if self.place == Some(place) && !self.is_pending && has_all {
             return;
         }
         self.place = Some(place);
@@ -107,13 +120,19 @@ impl StreetsTexture {
             grid: resident.tiles.grid,
             masks: resident.tiles.standing_footprints().collect(),
         };
-        let key = (footprints.within(centre, Streets::extent_m()), centre);
-        let is_made = |made: &Option<(Key, Streets)>| made.as_ref().is_some_and(|(of, _)| is_same(of, &key));
+        let key = (footprints.within(centre, Streets::extent_m()), centre, seen);
+        let is_made = |made: &Option<(Key, Streets)>| made.as_ref().is_some_and(|(of, _)| serves(of, &key));
         self.is_pending = !is_made(&self.streets);
         if !self.is_pending {
             return;
         }
         if !resident.streams() {
+            // The first image does not wait for what it does not show; those after it may be of anything round the eye.
+            let key = if self.streets.is_none() {
+                key
+            } else {
+                (key.0, key.1, SeenBlocks::ALL)
+            };
             let made = make(&key);
             self.is_pending = false;
             return self.take(gpu, key, made);
@@ -125,7 +144,7 @@ impl StreetsTexture {
             self.writing = self.job.finished().map(|(of, made)| (of, made, 0));
         }
         if let Some(of) = self.write_a_level(gpu) {
-            self.is_pending = !is_same(&of, &key);
+            self.is_pending = !serves(&of, &key);
         }
         let is_due = self.begun.is_none_or(|begun| begun.elapsed() >= EVERY);
         if self.is_pending && self.writing.is_none() && !self.job.is_busy() && is_due {

@@ -12,20 +12,11 @@ use crate::space::{Projection, Sun, TileId};
 impl Resident {
     /// The tiles that a view wants, as fine as the budget allows.
     pub(super) fn choose(&self, projection: &Projection, sun: &Sun) -> (DetailView, [Vec<TileId>; 3]) {
-        let bounds = self.tiles.bounds;
-        let finite = |height: f32| {
-            if height.is_finite() {
-                f64::from(height)
-            } else {
-                0.0
-            }
-        };
-        let low = finite(bounds.min_ground.min(bounds.max_ground));
-        let high = finite(bounds.max_roof.max(bounds.max_ground));
+        let heights = self.tiles.bounds.heights();
         let mut coarser = 1.0;
         loop {
             let grid = self.tiles.grid;
-            let view = DetailView::new(grid, projection, sun, [low, high], coarser);
+            let view = DetailView::new(grid, projection, sun, heights, coarser);
             let imagery = match self.imagery.side {
                 0 => Vec::new(),
                 side => view.imagery(grid.tile_m / f64::from(side)),
