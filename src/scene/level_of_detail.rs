@@ -8,7 +8,7 @@ use crate::space::{Bounds, Projection, Sun, TileGrid, TileId};
 /// A texel of a building map may be as large as this part of a pixel where a coarse level stands for outlines.
 const MAP_TEXEL_PIXELS: f64 = 0.03125;
 /// Terrain may depart by this part of a pixel.
-const TERRAIN_PIXELS: f64 = 0.03125;
+const TERRAIN_PIXELS: f64 = 0.0078125;
 /// An imagery texel may be as large as this part of a pixel.
 const IMAGERY_PIXELS: f64 = 1.0;
 /// What is not in view may be as much coarser: the sun and the cursor meet it at most.
