@@ -8,8 +8,8 @@ const PI: f32 = 3.14159265;
 @group(2) @binding(10) var sky_view: texture_2d_array<f32>;
 
 // Air near the ground, per metre: what it takes of light by scattering (Rayleigh) and haze. It thins to 1/e over this height above
-// the lowest ground. Haze three times as dense as the sky's model has it, so that distance shows.
-const AIR_PER_M: vec3<f32> = vec3<f32>(5.802e-6, 13.558e-6, 33.1e-6) + 6.0 * 4.44e-6;
+// the lowest ground.
+const AIR_PER_M: vec3<f32> = vec3<f32>(5.802e-6, 13.558e-6, 33.1e-6) + HAZE_PER_M;
 const HAZE_HEIGHT_M: f32 = 1200.0;
 // After so much of it, metres, it hides twice as much, and more and more from there on: land goes over to the sky before the horizon. An
 // estimate.

@@ -30,6 +30,15 @@ fn around(axis: vec3<f32>, radius: f32, azimuth: f32) -> vec3<f32> {
 const MEETS_GROUND: u32 = 0u;
 const MEETS_WALL: u32 = 1u;
 const MEETS_SKY: u32 = 2u;
+const MEETS_SUNNY_WALL: u32 = 3u;
+
+// Whether a wall that a ray meets faces the sun: it faces the ray.
+fn faces_sun(direction: vec3<f32>) -> bool { return dot(direction.xy, frame.sun.xy) < 0.0; }
+
+// What such a wall sends on, and another.
+fn wall_light(is_sunny: bool) -> vec3<f32> {
+    return frame.wall_light.rgb + select(vec3<f32>(0.0), SUNNY_WALL * frame.sun_irradiance.xyz, is_sunny);
+}
 
 // A packed normal that no surface has (packing gives no -32768): the pixel shows none.
 const NO_SURFACE: u32 = 0x80008000u;

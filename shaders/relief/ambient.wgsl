@@ -29,7 +29,7 @@ fn fs(@builtin(position) position: vec4<f32>) -> @location(0) vec2<u32> {
     var meets = MEETS_GROUND;
     if to_sky.z > 0.0 {
         let is_open = walk_city(make_ray(start, to_sky), 0.0, SKY_RAY_M).t >= FAR;
-        meets = select(MEETS_WALL, MEETS_SKY, is_open);
+        meets = select(select(MEETS_WALL, MEETS_SUNNY_WALL, faces_sun(to_sky)), MEETS_SKY, is_open);
     }
     return vec2<u32>((bitcast<u32>(t) & ~3u) | meets, packed);
 }

@@ -52,15 +52,15 @@ const ENLARGED_GRAIN: f32 = 0.6;
 // What the ground before a wall gets of the open ground's light, for the shadows on it. An estimate.
 const GROUND_OPEN: f32 = 0.75;
 
-// The parts of the light from all round that come from the ground, from walls and from the sky: of the rays that the ambient pass cast
+// The parts of the light from all round by where it comes from (`MEETS_GROUND` and so on): of the rays that the ambient pass cast
 // for the four nearest of its pixels, those that left the same surface. On an edge that none of them saw, the likest.
-fn light_parts(pixel: vec2<i32>, at: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+fn light_parts(pixel: vec2<i32>, at: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
     let own = pixel >> vec2<u32>(1u);
     // Sideways to the nearer one; upwards always, because the one below may be of a band that is not drawn yet.
     let beside = vec2<i32>(select(-1, 1, (pixel.x & 1) == 1), -1);
     let last = (vec2<i32>(frame.size) - 1) >> vec2<u32>(1u);
     let tolerance = 0.02 + 2.0 * length(at) * frame.pixel_angle;
-    var parts = vec3<f32>(0.0, 0.0, 1.0e-6);
+    var parts = vec4<f32>(0.0, 0.0, 1.0e-6, 0.0);
     for (var k = 0; k < 4; k += 1) {
         let place = clamp(own + beside * vec2<i32>(k & 1, k >> 1u), vec2<i32>(0), last);
         let word = textureLoad(ambient_rays, place, 0);
@@ -72,13 +72,14 @@ fn light_parts(pixel: vec2<i32>, at: vec3<f32>, normal: vec3<f32>) -> vec3<f32> 
         let weight = select(0.001 * (1.01 + dot(surface, normal)), 1.0, is_same);
         parts[word.x & 3u] += weight;
     }
-    return parts / (parts.x + parts.y + parts.z);
+    return parts / dot(parts, vec4<f32>(1.0));
 }
 
 // Irradiance from all round.
-fn ambient(normal: vec3<f32>, parts: vec3<f32>) -> vec3<f32> {
+fn ambient(normal: vec3<f32>, parts: vec4<f32>) -> vec3<f32> {
     let open = parts[MEETS_SKY] + GROUND_OPEN * parts[MEETS_GROUND];
-    return open * sky_irradiance(normal) + parts[MEETS_WALL] * (frame.wall_light.rgb + PI * NIGHT_SKY);
+    let walls = parts[MEETS_WALL] * wall_light(false) + parts[MEETS_SUNNY_WALL] * wall_light(true);
+    return open * sky_irradiance(normal) + walls + (parts[MEETS_WALL] + parts[MEETS_SUNNY_WALL]) * PI * NIGHT_SKY;
 }
 
 // Walls and roofs without facades: plaster.
@@ -120,7 +121,7 @@ fn mirrored(direction: vec3<f32>, normal: vec3<f32>, below_roof: f32, in_sun: bo
     // Sky over the houses opposite, their walls below it.
     let edge = max(below_roof, 0.0) / STREET_M;
     let sky_part = smoothstep(edge - 0.08, edge + 0.08, reflected.z / max(length(reflected.xy), 1.0e-3));
-    let wall = frame.wall_light.rgb / PI;
+    let wall = wall_light(faces_sun(reflected)) / PI;
     var radiance = mix(wall, sky_colour(above_horizon(reflected)), sky_part);
     if in_sun {
         let half_way = normalize(frame.sun.xyz - direction);

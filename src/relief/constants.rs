@@ -2,6 +2,7 @@
 
 use super::search_parameters::SEARCH_BAY_M;
 use super::settings::Layers;
+use super::sky_tables::SUNNY_WALL;
 use super::streets::{CARRIAGEWAY_M, CARRIAGEWAY_PART, STREET_BORDER_M, STREET_CELLS};
 use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
@@ -11,7 +12,7 @@ use crate::material::{
     TILE_SIZE, WALL_GREY,
 };
 use crate::scene::{POOL_QUADS, POOL_WORDS, SKIRT_BIT, SKIRT_M, TABLE_LEVEL_SHIFT};
-use crate::space::atmosphere::MIE_G;
+use crate::space::atmosphere::{HAZE_PER_KM, MIE_G};
 use crate::terrain::GroundBounds;
 
 /// Metres along a ray that meets nothing.
@@ -64,6 +65,8 @@ pub const CONSTANTS: &[Constant] = &[
     ("MAX_SLOPE", ConstantValue::Float(MAX_SLOPE)),
     ("SEARCH_BAY_M", ConstantValue::Float(SEARCH_BAY_M)),
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
+    ("HAZE_PER_M", ConstantValue::Float((1.0e-3 * HAZE_PER_KM) as f32)),
+    ("SUNNY_WALL", ConstantValue::Float(SUNNY_WALL as f32)),
     ("SUN_CELLS", ConstantValue::Int(SUN_CELLS as i32)),
     ("SUN_BORDER", ConstantValue::Float(SUN_BORDER as f32)),
     ("CARRIAGEWAY_PART", ConstantValue::Float(CARRIAGEWAY_PART)),

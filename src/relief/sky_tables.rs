@@ -7,11 +7,13 @@ use crate::gpu::{Gpu, GpuError, LayerPool};
 use crate::space::atmosphere::{Atmosphere, SKY_VIEW_SIZE, SkyIrradiance, SkyTexel};
 use crate::space::{SUN_ABOVE_AIR, Sun};
 
-/// Of walls: reflectance, the part of them that is in the sun by the mean cosine there, and the part of the light of level ground that
-/// they get of the sky and of one another. Estimates for a street.
+/// Of walls: reflectance, the part of those that face the sun which is in it by the mean cosine there, and the part of the light of level
+/// ground that all get of the sky and of one another. Estimates for a street.
 const WALL_ALBEDO: f64 = 0.33;
-const WALLS_IN_SUN: f64 = 0.28;
+const WALLS_IN_SUN: f64 = 0.56;
 const WALLS_SKY: f64 = 0.60;
+/// What walls that face the sun send on of its light besides. Shaders have it.
+pub const SUNNY_WALL: f64 = WALL_ALBEDO * WALLS_IN_SUN;
 
 /// The tables, and for which sun they are.
 pub struct SkyTables {
@@ -64,13 +66,9 @@ impl SkyTables {
         std::array::from_fn(|k| scaled(k).as_vec3().extend(0.0))
     }
 
-    /// What walls across a street send on to a surface whose view they fill: of the sun's light at this hour and of the sky's.
+    /// What walls away from the sun send on to a surface whose view they fill, of the sky's light.
     pub fn wall_light(&self) -> DVec3 {
-        let sky = self
-            .irradiance
-            .map_or(DVec3::ZERO, |irradiance| irradiance.on(DVec3::Z));
-        let sun = Atmosphere::get().sunlight(self.to_sun.z);
-        WALL_ALBEDO * SUN_ABOVE_AIR * (WALLS_IN_SUN * sun + WALLS_SKY * sky)
+        WALL_ALBEDO * WALLS_SKY * self.on_level_ground()
     }
 
     /// Irradiance of level ground by the open sky, linear sRGB.

@@ -12,17 +12,19 @@ pub const TOP_KM: f64 = 6460.0;
 pub const EYE_KM: f64 = GROUND_KM + 0.2;
 /// Reflectance of the planet: a town's and its fields'.
 pub const GROUND_ALBEDO: DVec3 = dvec3(0.30, 0.285, 0.25);
-/// Asymmetry of Mie scattering.
-pub const MIE_G: f64 = 0.8;
+/// Parameter of the Mie phase function: of a mean cosine of 0.709, [`HAZE_DEPTH`]'s source.
+pub const MIE_G: f64 = 0.647;
 
-/// How much more haze there is over a town than in the table's very clear air.
-const TOWN_HAZE: f64 = 2.0;
 /// Per km at the ground; heights of scale, km.
 const RAYLEIGH: DVec3 = dvec3(5.802e-3, 13.558e-3, 33.1e-3);
 const RAYLEIGH_SCALE_KM: f64 = 8.0;
-const MIE_SCATTERING: f64 = TOWN_HAZE * 3.996e-3;
-const MIE_ABSORPTION: f64 = TOWN_HAZE * 4.4e-4;
 const MIE_SCALE_KM: f64 = 1.2;
+/// Optical depth of haze, and what it scatters of the light that it takes: clean continental air at 550 nm (Hess, Koepke & Schult 1998,
+/// BAMS 79(5), table 4). The table of Hillaire has a twelfth of it, clearer than any day over a town.
+const HAZE_DEPTH: f64 = 0.064;
+const SCATTERED: f64 = 0.972;
+/// What haze at the ground takes of light, per km.
+pub const HAZE_PER_KM: f64 = HAZE_DEPTH / MIE_SCALE_KM;
 /// Ozone: absorption at the height of its layer, half the width of that.
 const OZONE: DVec3 = dvec3(0.650e-3, 1.881e-3, 0.085e-3);
 const OZONE_KM: f64 = 25.0;
@@ -44,12 +46,12 @@ impl Medium {
     pub fn at(radius_km: f64) -> Self {
         let height = (radius_km - GROUND_KM).max(0.0);
         let rayleigh = RAYLEIGH * (-height / RAYLEIGH_SCALE_KM).exp();
-        let mie_density = (-height / MIE_SCALE_KM).exp();
+        let haze = HAZE_PER_KM * (-height / MIE_SCALE_KM).exp();
         let ozone = OZONE * (1.0 - (height - OZONE_KM).abs() / OZONE_HALF_WIDTH_KM).max(0.0);
         Self {
             rayleigh,
-            mie: MIE_SCATTERING * mie_density,
-            extinction: rayleigh + DVec3::splat((MIE_SCATTERING + MIE_ABSORPTION) * mie_density) + ozone,
+            mie: SCATTERED * haze,
+            extinction: rayleigh + DVec3::splat(haze) + ozone,
         }
     }
 

@@ -19,7 +19,9 @@ use std::sync::LazyLock;
 use glam::DVec3;
 
 pub use irradiance::SkyIrradiance;
-pub use medium::{EYE_KM, GROUND_ALBEDO, GROUND_KM, MIE_G, Medium, TOP_KM, mie_phase, rayleigh_phase};
+pub use medium::{
+    EYE_KM, GROUND_ALBEDO, GROUND_KM, HAZE_PER_KM, MIE_G, Medium, TOP_KM, mie_phase, rayleigh_phase,
+};
 pub use sky_view::{SKY_VIEW_SIZE, SkyTexel, SkyView};
 
 use multiple_scattering::MultipleScattering;

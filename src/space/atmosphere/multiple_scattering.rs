@@ -29,9 +29,8 @@ pub struct MultipleScattering {
 /// Radiance times 1, times the cosine with the zenith, and times its second Legendre polynomial, each the mean over all directions.
 type Moments = [DVec3; 3];
 
-/// Means of the first two Legendre polynomials over the phase function of haze (Cornette & Shanks 1992): its asymmetry, and its square for
-/// the second.
-const MIE_MOMENTS: [f64; 2] = [0.8436, 0.7117];
+/// Means of the first two Legendre polynomials over the phase function of haze (Cornette & Shanks 1992) for [`super::MIE_G`].
+const MIE_MOMENTS: [f64; 2] = [0.7092, 0.5156];
 /// The second of Rayleigh scattering.
 const RAYLEIGH_MOMENT: f64 = 0.1;
 
