@@ -142,6 +142,7 @@ fn records_are_laid_out_alike_on_both_sides() {
             "street_grid" = street_grid,
             "sky_light" = sky_light,
             "wall_light" = wall_light,
+            "sunny_wall_light" = sunny_wall_light,
             "eye_in_tile" = eye_in_tile,
             "eye_elevation" = eye_elevation,
             "tile_m" = tile_m,

@@ -22,8 +22,10 @@ struct Frame {
     street_grid: vec4<f32>,
     // Coefficients of the sky's irradiance (`sky_irradiance`).
     sky_light: array<vec4<f32>, 9>,
-    // Irradiance by walls across a street that fill a surface's view; w is 1 where the survey has orthophotos.
+    // Irradiance by walls across a street that fill a surface's view, away from the sun and facing it; w of the first is 1 where the
+    // survey has orthophotos.
     wall_light: vec4<f32>,
+    sunny_wall_light: vec4<f32>,
     // The eye within its tile, metres; elevation of the eye; side of a tile.
     eye_in_tile: vec2<f32>,
     eye_elevation: f32,

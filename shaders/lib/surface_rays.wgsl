@@ -37,7 +37,7 @@ fn faces_sun(direction: vec3<f32>) -> bool { return dot(direction.xy, frame.sun.
 
 // What such a wall sends on, and another.
 fn wall_light(is_sunny: bool) -> vec3<f32> {
-    return frame.wall_light.rgb + select(vec3<f32>(0.0), SUNNY_WALL * frame.sun_irradiance.xyz, is_sunny);
+    return select(frame.wall_light.rgb, frame.sunny_wall_light.rgb, is_sunny);
 }
 
 // A packed normal that no surface has (packing gives no -32768): the pixel shows none.

@@ -2,7 +2,6 @@
 
 use super::search_parameters::SEARCH_BAY_M;
 use super::settings::Layers;
-use super::sky_tables::SUNNY_WALL;
 use super::streets::{CARRIAGEWAY_M, CARRIAGEWAY_PART, STREET_BORDER_M, STREET_CELLS};
 use super::sun_bounds::{SUN_BORDER, SUN_CELLS, SUN_STEPS};
 use crate::buildings::{BuildingMap, CELL, PYRAMID_STEPS, TEXEL_MAIN};
@@ -66,7 +65,6 @@ pub const CONSTANTS: &[Constant] = &[
     ("SEARCH_BAY_M", ConstantValue::Float(SEARCH_BAY_M)),
     ("MIE_G", ConstantValue::Float(MIE_G as f32)),
     ("HAZE_PER_M", ConstantValue::Float((1.0e-3 * HAZE_PER_KM) as f32)),
-    ("SUNNY_WALL", ConstantValue::Float(SUNNY_WALL as f32)),
     ("SUN_CELLS", ConstantValue::Int(SUN_CELLS as i32)),
     ("SUN_BORDER", ConstantValue::Float(SUN_BORDER as f32)),
     ("CARRIAGEWAY_PART", ConstantValue::Float(CARRIAGEWAY_PART)),

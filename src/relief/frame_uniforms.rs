@@ -27,6 +27,7 @@ pub struct FrameUniforms {
     pub street_grid: Vec4,
     pub sky_light: [Vec4; 9],
     pub wall_light: Vec4,
+    pub sunny_wall_light: Vec4,
     pub eye_in_tile: [f32; 2],
     pub eye_elevation: f32,
     pub tile_m: f32,
@@ -69,6 +70,7 @@ impl FrameUniforms {
         let [forward, across, upward] = projection.window_rays();
         let pixel_angle = 2.0 * projection.tan_half_fov().y / f64::from(projection.size[1]);
         let sky = &light.sky;
+        let [wall_light, sunny_wall_light] = sky.wall_light();
         let ([sun_grid, sun_axes], sun_levels) = light.sun_bounds.uniforms(pose.eye.truncate());
         let (street_grid, street_layer) = light.streets.uniforms(pose.eye.truncate());
         let vector = |v: DVec3, w: f64| v.as_vec3().extend(w as f32);
@@ -84,7 +86,8 @@ impl FrameUniforms {
             sun_axes,
             street_grid,
             sky_light: sky.coefficients(),
-            wall_light: vector(sky.wall_light(), f64::from(u8::from(resident.has_orthophotos))),
+            wall_light: vector(wall_light, f64::from(u8::from(resident.has_orthophotos))),
+            sunny_wall_light: vector(sunny_wall_light, 0.0),
             eye_in_tile: eye.in_tile.to_array(),
             eye_elevation: eye.elevation,
             tile_m: grid.tile_m as f32,

@@ -12,8 +12,6 @@ use crate::space::{SUN_ABOVE_AIR, Sun};
 const WALL_ALBEDO: f64 = 0.33;
 const WALLS_IN_SUN: f64 = 0.56;
 const WALLS_SKY: f64 = 0.60;
-/// What walls that face the sun send on of its light besides. Shaders have it.
-pub const SUNNY_WALL: f64 = WALL_ALBEDO * WALLS_IN_SUN;
 
 /// The tables, and for which sun they are.
 pub struct SkyTables {
@@ -66,9 +64,12 @@ impl SkyTables {
         std::array::from_fn(|k| scaled(k).as_vec3().extend(0.0))
     }
 
-    /// What walls away from the sun send on to a surface whose view they fill, of the sky's light.
-    pub fn wall_light(&self) -> DVec3 {
-        WALL_ALBEDO * WALLS_SKY * self.on_level_ground()
+    /// What walls away from the sun send on to a surface whose view they fill, of the sky's light; and those that face it, of its light at
+    /// this hour as well.
+    pub fn wall_light(&self) -> [DVec3; 2] {
+        let sun = SUN_ABOVE_AIR * Atmosphere::get().sunlight(self.to_sun.z);
+        let of_sky = WALLS_SKY * self.on_level_ground();
+        [of_sky, of_sky + WALLS_IN_SUN * sun].map(|light| WALL_ALBEDO * light)
     }
 
     /// Irradiance of level ground by the open sky, linear sRGB.
