@@ -79,8 +79,8 @@ fn contour(height: f32, interval: f32, slope: f32, pixel_m: f32) -> f32 {
 fn contours(height: f32, normal: vec3<f32>, size: f32) -> f32 {
     let slope = length(normal.xy) / max(normal.z, 0.05);
     return max(
-        max(0.22 * contour(height, CONTOUR_M, slope, size), 0.36 * contour(height, 5.0 * CONTOUR_M, slope, size)),
-        0.36 * contour(height, 25.0 * CONTOUR_M, slope, size),
+        max(0.11 * contour(height, CONTOUR_M, slope, size), 0.18 * contour(height, 5.0 * CONTOUR_M, slope, size)),
+        0.18 * contour(height, 25.0 * CONTOUR_M, slope, size),
     );
 }
 

@@ -13,7 +13,7 @@ const AIR_PER_M: vec3<f32> = vec3<f32>(5.802e-6, 13.558e-6, 33.1e-6) + HAZE_PER_
 const HAZE_HEIGHT_M: f32 = 1200.0;
 // After so much of it, metres, it hides twice as much, and more and more from there on: land goes over to the sky before the horizon. An
 // estimate.
-const HORIZON_M: f32 = 8000.0;
+const HORIZON_M: f32 = 4500.0;
 
 // Radiance of the sky at night, and irradiance: stars and air, and the lamps of towns. Estimates.
 const NIGHT_SKY: vec3<f32> = vec3<f32>(0.00032, 0.00042, 0.00080);

@@ -373,9 +373,9 @@ mod tests {
 
     #[test]
     fn what_a_view_sees_is_as_where_everything_is_asked_for() {
-        let footprints = town(0.3, true);
+        let footprints = town(0.3, false);
         for (eye_m, ahead, down) in [
-            (2.0, [0.6, 0.8], 0.3),
+            (12.0, [0.6, 0.8], 0.15),
             (90.0, [-1.0, 0.1], 0.4),
             (700.0, [0.2, -1.0], 1.1),
         ] {
