@@ -54,7 +54,7 @@ pub fn white_balance(daylight: DVec3) -> [f32; 3] {
 }
 
 /// How much a photographer stops down who looks straight at the sun, as a factor; and the angle over which that fades, radians.
-const STOPPED_DOWN: f64 = 0.3;
+const STOPPED_DOWN: f64 = 0.15;
 const FADES_OVER: f64 = 0.35;
 /// Sines of the sun's altitude between which its glow counts.
 const GLOW: [f64; 2] = [-0.1, 0.0];

@@ -1,4 +1,4 @@
-//! The air: Hillaire 2020, table 1; Bruneton 2017.
+//! The air: Hillaire 2020, table 1; Bruneton 2017. Its haze: Hess, Koepke & Schult 1998.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ pub const TOP_KM: f64 = 6460.0;
 pub const EYE_KM: f64 = GROUND_KM + 0.2;
 /// Reflectance of the planet: a town's and its fields'.
 pub const GROUND_ALBEDO: DVec3 = dvec3(0.30, 0.285, 0.25);
-/// Parameter of the Mie phase function: of a mean cosine of 0.709, [`HAZE_DEPTH`]'s source.
+/// Parameter of the Mie phase function: its mean cosine is 0.709, that of clean continental air (Hess, Koepke & Schult 1998).
 pub const MIE_G: f64 = 0.647;
 
 /// Per km at the ground; heights of scale, km.
