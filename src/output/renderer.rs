@@ -130,7 +130,7 @@ impl Renderer {
         self.relief.set_mode(&self.gpu, request.relief.mode);
         self.relief.set_sun(&self.gpu, request.sun);
         self.relief
-            .set_sun_bounds(&self.gpu, &self.resident, request.sun, &projection);
+            .set_sun_bounds(&self.gpu, &self.resident, request.sun, projection.pose.eye);
         let layers = request.relief.layers;
         let streets = StreetsRequest {
             view: &projection,

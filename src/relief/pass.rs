@@ -18,7 +18,7 @@ use super::{BuildingMesh, CityBindings, FrameUniforms};
 use crate::gpu::{BySize, Gpu, GpuError, PassTimer, UNIFORM, Uniform};
 use crate::material::{MaterialTextures, OwnTiles, painted_tiles};
 use crate::scene::{Frustum, Resident};
-use crate::space::{Projection, Sun};
+use crate::space::Sun;
 
 /// All pipelines, uniforms and targets for one resident city.
 pub struct ReliefPass {
@@ -105,8 +105,8 @@ impl ReliefPass {
     }
 
     /// Makes the bounds of a view's sun, unless they are the last ones.
-    pub fn set_sun_bounds(&mut self, gpu: &Gpu, resident: &Resident, sun: &Sun, view: &Projection) {
-        self.shade.sun_bounds.prepare(gpu, resident, sun, view);
+    pub fn set_sun_bounds(&mut self, gpu: &Gpu, resident: &Resident, sun: &Sun, eye: DVec3) {
+        self.shade.sun_bounds.prepare(gpu, resident, sun, eye.truncate());
     }
 
     /// Makes the streets for a frame, unless they are the last ones.

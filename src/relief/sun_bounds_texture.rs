@@ -9,7 +9,7 @@ use super::sun_bounds::{MAX_SUN_LEVELS, SUN_CELLS, SunBounds};
 use super::sun_obstacles::SunObstacles;
 use crate::gpu::{Gpu, GpuError, LayerPool};
 use crate::scene::Resident;
-use crate::space::{Projection, Sun};
+use crate::space::Sun;
 
 /// Bounds, and what they are of.
 pub struct SunBoundsTexture {
@@ -30,10 +30,8 @@ type Key = ((u64, DVec3, f64), DVec2);
 
 /// In a window nothing changes for so long before bounds are made.
 const SETTLED: Duration = Duration::from_millis(250);
-/// The view's middle may go so far from the centre, by the cells of a level times the side of a texel.
+/// The eye may go so far from the centre, by the finest level's extent.
 const DRIFT: f64 = 0.1;
-/// The centre lies so far beyond the nearest ground in view at most: what is nearer is within the finest level too, whatever its shear.
-const AHEAD: f64 = 1.0;
 
 impl SunBoundsTexture {
     /// None yet.
@@ -60,14 +58,12 @@ impl SunBoundsTexture {
 
     /// Makes them for a view. Where frames do not wait, beside them and only once nothing has changed for a while: until then those of
     /// the same tiles and sun serve, or every ray is cast.
-    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, sun: &Sun, view: &Projection) {
+    pub fn prepare(&mut self, gpu: &Gpu, resident: &Resident, sun: &Sun, eye: DVec2) {
         let texel_m = resident.texel_m;
-        let extent_m = texel_m * SUN_CELLS as f64;
-        let [lowest, _] = resident.tiles.bounds.heights();
-        let middle = middle_of_view(view, lowest, AHEAD * extent_m);
+        let drift = DRIFT * texel_m * SUN_CELLS as f64;
         let centre = match self.key {
-            Some((_, centre)) if centre.distance(middle) <= DRIFT * extent_m => centre,
-            _ => middle,
+            Some((_, centre)) if centre.distance(eye) <= drift => centre,
+            _ => eye,
         };
         let key = ((resident.version(), sun.to_sun, sun.angular_radius), centre);
         if self.key != Some(key) {
@@ -107,26 +103,4 @@ impl SunBoundsTexture {
             _ => ([Vec4::ZERO; 2], 0),
         }
     }
-}
-
-/// A point in plan round which most of a view's ground lies: where its middle meets the ground, but no farther beyond the nearest ground
-/// in view than `ahead` metres.
-fn middle_of_view(view: &Projection, ground: f64, ahead: f64) -> DVec2 {
-    let eye = view.pose.eye;
-    let above = (eye.z - ground).max(0.0);
-    let [width, height] = view.size;
-    // Metres in plan to where a ray of the image's middle column meets the ground.
-    let distance = |row: u32| {
-        let ray = view.ray_direction(width / 2, row);
-        let is_down = ray.z < 0.0 && ray.truncate().dot(view.pose.forward.truncate()) > 0.0;
-        if is_down {
-            above * ray.truncate().length() / -ray.z
-        } else {
-            f64::INFINITY
-        }
-    };
-    let nearest = distance(height.saturating_sub(1));
-    let nearest = if nearest.is_finite() { nearest } else { 0.0 };
-    let forward = view.pose.forward.truncate().normalize_or_zero();
-    eye.truncate() + forward * distance(height / 2).min(nearest + ahead)
 }
